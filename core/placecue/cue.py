@@ -1,0 +1,79 @@
+"""A cue: what is looked at in an observation."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from typing import Any, ClassVar, Self
+
+from sklearn.base import BaseEstimator
+
+from placecue.features import FeatureBatch, Features, stack
+from placecue.observation import Observation, Part
+
+
+class Cue(BaseEstimator, ABC):  # type: ignore[misc]
+    """Turns an observation into features: a scikit-learn transformer over observations.
+
+    A subclass sets ``requires`` and writes :meth:`extract`. One that learns from data (a codebook,
+    say) also sets ``learns`` and overrides :meth:`fit`; it is then fitted on training observations
+    only, anew inside every fold.
+
+    Attributes
+    ----------
+    requires : tuple of {"image", "scan", "pose"}
+        The parts of an observation that :meth:`extract` needs.
+    version : str
+        Changes when the features do, so that cached ones are not mistaken for them.
+    learns : bool
+        Whether :meth:`fit` learns anything.
+    """
+
+    requires: ClassVar[tuple[Part, ...]] = ()
+    version: ClassVar[str] = "1"
+    learns: ClassVar[bool] = False
+
+    @abstractmethod
+    def extract(self, observation: Observation) -> Features:
+        """Return the features of one observation.
+
+        Parameters
+        ----------
+        observation : Observation
+            Has every part in ``requires``.
+
+        Returns
+        -------
+        ndarray of shape (d,), csr_array of shape (1, bins), or ndarray of shape (k, d)
+            A dense vector, a sparse histogram, or k local descriptors.
+
+        Raises
+        ------
+        UnusableObservation
+            If nothing can be extracted from this observation.
+        """
+
+    def fit(self, observations: Iterable[Observation], labels: Any = None) -> Self:
+        """Learn from training observations; the default learns nothing."""
+        return self
+
+    def transform(self, observations: Iterable[Observation]) -> FeatureBatch:
+        """Return the features of several observations as one batch.
+
+        Raises
+        ------
+        UnusableObservation
+            If one of them lacks a part in ``requires``, or nothing can be extracted from it.
+        """
+        return stack([self.features(observation) for observation in observations])
+
+    def features(self, observation: Observation) -> Features:
+        """Return the features of one observation after checking that its parts are there."""
+        observation.require(self.requires)
+        return self.extract(observation)
+
+    def fit_transform(
+        self, observations: Iterable[Observation], labels: Any = None
+    ) -> FeatureBatch:
+        """Fit on the observations, then transform them; they are iterated twice."""
+        return self.fit(observations, labels).transform(observations)

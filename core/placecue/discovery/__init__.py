@@ -1,0 +1,1 @@
+"""How plugins are found: hook specifications, our loader, the registry."""

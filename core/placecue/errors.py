@@ -1,0 +1,55 @@
+"""Everything placecue raises on purpose, under one base.
+
+A message says in one line what was wrong, where, what was available and what to do. The command
+line prints it as it is and exits with the class's ``exit_status``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class PlacecueError(Exception):
+    """Base of every error that placecue raises on purpose."""
+
+    exit_status = 1
+
+
+class UsageError(PlacecueError):
+    """The request was wrong: an unknown name, parameter or topic, or a value that cannot be."""
+
+    exit_status = 2
+
+
+class DataError(PlacecueError):
+    """The data were wrong: a file that is not a log, a log without labels, a broken model."""
+
+
+class UnusableObservation(DataError):
+    """One observation lacks, or spoils, a part that a cue requires. Others may be fine."""
+
+
+class PluginError(UsageError):
+    """A plugin could not be loaded, or two plugins claim one name."""
+
+
+def choices(wanted: str, available: Iterable[str]) -> str:
+    """Describe what exists, with the nearest match first.
+
+    Parameters
+    ----------
+    wanted : str
+        The name that was not found.
+    available : iterable of str
+        The names that exist.
+
+    Returns
+    -------
+    str
+        For example ``did you mean 'crfh'? available: crfh, laser``.
+    """
+    names = sorted(available)
+    listed = f"available: {', '.join(names) if names else 'none'}"
+    near = get_close_matches(wanted, names, n=1, cutoff=0.5)
+    return f"did you mean '{near[0]}'? {listed}" if near else listed

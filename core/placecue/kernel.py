@@ -1,0 +1,90 @@
+"""A kernel: how alike two samples are."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator
+
+from placecue.errors import UsageError
+from placecue.features import FeatureBatch, FeatureKind, kind_of
+
+Gram = NDArray[np.float64]
+
+
+class Kernel(BaseEstimator, ABC):  # type: ignore[misc]
+    """Gram blocks between batches of features.
+
+    Attributes
+    ----------
+    accepts : frozenset of FeatureKind
+        The kinds of features that the kernel can take.
+    positive_definite : bool
+        Whether every Gram matrix is positive semi-definite.
+    """
+
+    accepts: ClassVar[frozenset[FeatureKind]] = frozenset()
+    positive_definite: ClassVar[bool] = True
+
+    def fit(self, features: FeatureBatch) -> Self:
+        """Learn what the kernel needs from training features; the default learns nothing."""
+        return self
+
+    @abstractmethod
+    def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+        """Return the kernel between every sample of ``a`` and every sample of ``b``.
+
+        Parameters
+        ----------
+        a, b : batch of n and of m samples
+            Features; without ``b``, ``a`` against itself.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, m)
+
+        Raises
+        ------
+        UsageError
+            If the kernel cannot take this kind of features.
+        """
+
+    def check(self, *batches: FeatureBatch | None) -> None:
+        """Raise UsageError if a batch is of a kind that the kernel cannot take."""
+        for batch in batches:
+            if batch is not None and kind_of(batch) not in self.accepts:
+                raise UsageError(
+                    f"kernel {type(self).__name__} takes {' or '.join(sorted(self.accepts))}, got "
+                    f"{kind_of(batch)}: choose another kernel for this cue"
+                )
+
+
+class DistanceKernel(Kernel):
+    """A kernel whose costly part, a distance, does not depend on its parameter ``gamma``.
+
+    A search over gamma computes :meth:`distances` once and :meth:`from_distances` for each gamma.
+
+    Parameters
+    ----------
+    gamma : float
+        How fast likeness falls with distance.
+    """
+
+    def __init__(self, gamma: float = 1.0) -> None:
+        self.gamma = gamma
+
+    @abstractmethod
+    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+        """Return the part that gamma does not enter, in any form :meth:`from_distances` takes."""
+
+    def from_distances(self, distances: Any) -> Gram:
+        """Return exp(-gamma * distances), shape (n, m); override where the form is another."""
+        scaled: Gram = np.multiply(distances, -self.gamma)
+        return np.exp(scaled, out=scaled)
+
+    def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+        """Return the kernel between every sample of ``a`` and of ``b``; see :class:`Kernel`."""
+        return self.from_distances(self.distances(a, b))

@@ -1,0 +1,1 @@
+"""Logs: MCAP in, MCAP out."""

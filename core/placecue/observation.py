@@ -1,0 +1,215 @@
+"""One moment of a log: what the robot saw, where it was, and what the place is called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.errors import UnusableObservation
+
+Image: TypeAlias = NDArray[np.uint8]
+Part = Literal["image", "scan", "pose", "label"]
+PARTS: tuple[Part, ...] = ("image", "scan", "pose", "label")
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2D:
+    """A position and heading in the plane.
+
+    Parameters
+    ----------
+    x, y : float
+        Position, m.
+    theta : float
+        Heading, rad, counter-clockwise from the x axis.
+    frame : str
+        The frame that the pose is given in, such as ``odom`` or ``map``.
+    """
+
+    x: float
+    y: float
+    theta: float
+    frame: str = "odom"
+
+    def compose(self, other: Pose2D) -> Pose2D:
+        """Return ``other``, given in this pose's own frame, in the frame of this pose."""
+        c, s = np.cos(self.theta), np.sin(self.theta)
+        return Pose2D(
+            x=float(self.x + c * other.x - s * other.y),
+            y=float(self.y + s * other.x + c * other.y),
+            theta=self.theta + other.theta,
+            frame=self.frame,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class LaserScan:
+    """One sweep of a 2D laser scanner.
+
+    Parameters
+    ----------
+    angles : ndarray of float64, shape (n,)
+        Direction of each beam in the scanner's frame, rad, increasing, counter-clockwise.
+    ranges : ndarray of float64, shape (n,)
+        Length of each beam, m. NaN, infinite, and lengths outside (range_min, range_max] are
+        invalid: nothing was measured there.
+    range_min, range_max : float
+        The scanner's limits, m.
+    mount : Pose2D
+        Where the scanner sits on the robot.
+    """
+
+    angles: NDArray[np.float64]
+    ranges: NDArray[np.float64]
+    range_min: float
+    range_max: float
+    mount: Pose2D = field(default=Pose2D(0.0, 0.0, 0.0, "base_link"))
+
+    def valid(self) -> NDArray[np.bool_]:
+        """Return which beams measured something, shape (n,)."""
+        with np.errstate(invalid="ignore"):
+            return (self.ranges > self.range_min) & (self.ranges <= self.range_max)
+
+    def filled(self) -> NDArray[np.float64]:
+        """Return the ranges with every invalid beam set to ``range_max``.
+
+        Returns
+        -------
+        ndarray of float64, shape (n,)
+            Ranges, m.
+
+        Raises
+        ------
+        UnusableObservation
+            If the scan has no beams or no valid one.
+        """
+        if self.ranges.size == 0:
+            raise UnusableObservation("the laser scan is empty (0 beams)")
+        valid = self.valid()
+        if not valid.any():
+            raise UnusableObservation(
+                f"none of the {self.ranges.size} beams of the laser scan is valid "
+                f"(all NaN, infinite or outside {self.range_min:g} to {self.range_max:g} m)"
+            )
+        return np.where(valid, self.ranges, self.range_max)
+
+    def points(self) -> NDArray[np.float64]:
+        """Return the end points of the valid beams in the robot's frame, m, shape (k, 2)."""
+        valid = self.valid()
+        bearing = self.angles[valid] + self.mount.theta
+        offset = np.array([self.mount.x, self.mount.y])
+        return offset + self.ranges[valid, None] * np.column_stack(
+            [np.cos(bearing), np.sin(bearing)]
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedImage:
+    """An image as it lies in a log, decoded when called.
+
+    Parameters
+    ----------
+    data : bytes
+        The encoded image.
+    format : str
+        ``jpeg`` or ``png``.
+    origin : str
+        Where it comes from, for messages.
+    """
+
+    data: bytes
+    format: str = "jpeg"
+    origin: str = "image"
+
+    def __call__(self) -> Image:
+        """Decode to RGB (H, W, 3), or to grey (H, W) where the file is grey.
+
+        Raises
+        ------
+        UnusableObservation
+            If the bytes are not an image.
+        """
+        import cv2
+
+        raw = np.frombuffer(self.data, dtype=np.uint8)
+        try:
+            image = cv2.imdecode(raw, cv2.IMREAD_ANYCOLOR) if raw.size else None
+        except cv2.error as error:
+            raise UnusableObservation(f"{self.origin} does not decode: {error.err}") from error
+        if image is None:
+            raise UnusableObservation(
+                f"{self.origin} does not decode ({len(self.data)} bytes said to be {self.format})"
+            )
+        if image.ndim == 3:
+            image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+        return np.asarray(image, dtype=np.uint8)
+
+
+class Observation:
+    """One moment of a log. Any part but the stamp may be missing.
+
+    Parameters
+    ----------
+    stamp : int
+        Time of the measurement, ns.
+    image : ndarray of uint8, shape (H, W, 3) or (H, W), callable, or None
+        RGB or grey image, or something that decodes one when called, such as an
+        :class:`EncodedImage`. It is called on the first use of ``image``, so a laser-only
+        pipeline never decodes a picture.
+    scan : LaserScan or None
+        The laser scan nearest in time.
+    pose : Pose2D or None
+        Where the robot was.
+    label : str or None
+        The true name of the place, where somebody gave one.
+    """
+
+    __slots__ = ("_decoded", "image_source", "label", "pose", "scan", "stamp")
+
+    def __init__(
+        self,
+        stamp: int,
+        *,
+        image: Image | Callable[[], Image] | None = None,
+        scan: LaserScan | None = None,
+        pose: Pose2D | None = None,
+        label: str | None = None,
+    ) -> None:
+        self.stamp = stamp
+        self.image_source = image
+        self._decoded: Image | None = None
+        self.scan = scan
+        self.pose = pose
+        self.label = label
+
+    @property
+    def image(self) -> Image | None:
+        """The image, decoded on first use; None where there is none."""
+        if self._decoded is None and self.image_source is not None:
+            source = self.image_source
+            self._decoded = source() if callable(source) else source
+        return self._decoded
+
+    def has(self, part: Part) -> bool:
+        """Tell whether a part is there, without decoding it."""
+        return getattr(self, "image_source" if part == "image" else part) is not None
+
+    def require(self, parts: tuple[Part, ...]) -> None:
+        """Raise UnusableObservation unless every one of ``parts`` is there."""
+        missing = [part for part in parts if not self.has(part)]
+        if missing:
+            raise UnusableObservation(f"no {' and no '.join(missing)} at stamp {self.stamp}")
+
+    def relabelled(self, label: str | None) -> Observation:
+        """Return the same moment under another label; a pending image stays undecoded."""
+        return Observation(
+            self.stamp, image=self.image_source, scan=self.scan, pose=self.pose, label=label
+        )
+
+    def __repr__(self) -> str:
+        parts = ", ".join(part for part in PARTS if self.has(part))
+        return f"Observation(stamp={self.stamp}, has={parts or 'nothing'})"

@@ -1,0 +1,73 @@
+"""Progress of loops that may take long. Silent until somebody asks to see it.
+
+Algorithms call :func:`track`; the command line opens :func:`shown` around them. Nothing else
+knows of bars.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+Reporter = Callable[[Iterable[Any], str, int | None], Iterable[Any]]
+
+_reporter: ContextVar[Reporter | None] = ContextVar("placecue_progress", default=None)
+
+
+def track(items: Iterable[T], what: str, total: int | None = None) -> Iterable[T]:
+    """Return ``items``, reporting on them while they are consumed.
+
+    Parameters
+    ----------
+    items : iterable
+        What the loop runs over.
+    what : str
+        What the loop does, in a few words.
+    total : int, optional
+        Number of items, where ``len(items)`` does not tell.
+    """
+    reporter = _reporter.get()
+    return items if reporter is None else reporter(items, what, total)
+
+
+@contextmanager
+def shown() -> Iterator[None]:
+    """Show a bar on standard error for every :func:`track` inside that takes over a second."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as bars:
+
+        def report(items: Iterable[T], what: str, total: int | None) -> Iterator[T]:
+            length = total if total is not None else getattr(items, "__len__", lambda: None)()
+            task = bars.add_task(what, total=length)
+            try:
+                for item in items:
+                    yield item
+                    bars.advance(task)
+            finally:
+                bars.remove_task(task)
+
+        token = _reporter.set(report)
+        try:
+            yield
+        finally:
+            _reporter.reset(token)

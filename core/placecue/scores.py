@@ -1,0 +1,265 @@
+"""Outputs of classifiers, and layouts that say what the columns are and how to decide on them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.errors import DataError, UsageError
+
+Values = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What a layout's rule makes of n rows of scores.
+
+    Parameters
+    ----------
+    labels : ndarray of str, shape (n,)
+        The winning class.
+    confidence : ndarray of float64, shape (n,)
+        How unambiguous the decision is; larger is surer. The unit is that of the scores.
+    ranking : ndarray of int64, shape (n, M)
+        Indices of the classes, best first.
+    """
+
+    labels: NDArray[np.str_]
+    confidence: NDArray[np.float64]
+    ranking: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Layout(ABC):
+    """What the columns of scores are.
+
+    Parameters
+    ----------
+    classes : tuple of str
+        The M classes, sorted.
+    """
+
+    classes: tuple[str, ...]
+    name: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        if len(self.classes) < 2:
+            raise UsageError(
+                f"a layout needs two classes or more, got {list(self.classes)}: "
+                "give data with samples of at least two places"
+            )
+
+    @property
+    @abstractmethod
+    def columns(self) -> tuple[str, ...]:
+        """The names of the V columns."""
+
+    @abstractmethod
+    def preference(self, values: Values) -> Values:
+        """Return how much each class is preferred: (n, V) scores to (n, M), larger is better."""
+
+    def confidence(self, values: Values, ranking: NDArray[np.int64]) -> Values:
+        """Return the lead of the winner over the runner-up in :meth:`preference`, shape (n,)."""
+        ordered = np.take_along_axis(self.preference(values), ranking[:, :2], axis=1)
+        return np.asarray(ordered[:, 0] - ordered[:, 1])
+
+    def rank(self, values: Values) -> NDArray[np.int64]:
+        """Return the classes from best to worst, shape (n, M); equal ones in order of label."""
+        return np.argsort(-self.preference(values), axis=1, kind="stable").astype(np.int64)
+
+    def decide(self, values: Values) -> Decision:
+        """Apply the layout's own multi-class rule.
+
+        Parameters
+        ----------
+        values : ndarray of float64, shape (n, V)
+            Scores.
+
+        Returns
+        -------
+        Decision
+
+        Raises
+        ------
+        DataError
+            If the number of columns is not V or a value is NaN.
+        """
+        values = np.asarray(values, dtype=np.float64)
+        if values.ndim != 2 or values.shape[1] != len(self.columns):
+            raise DataError(
+                f"scores of shape {values.shape} do not fit the layout {self.name} of "
+                f"{len(self.classes)} classes, which has {len(self.columns)} columns"
+            )
+        if np.isnan(values).any():
+            raise DataError(f"{int(np.isnan(values).any(axis=1).sum())} rows of scores hold NaN")
+        ranking = self.rank(values)
+        labels = np.asarray(self.classes, dtype=np.str_)[ranking[:, 0]]
+        return Decision(labels, self.confidence(values, ranking), ranking)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the layout as plain data; :func:`layout_from_json` reads it back."""
+        return {"layout": self.name, "classes": list(self.classes)}
+
+
+@dataclass(frozen=True)
+class OneAgainstAll(Layout):
+    """Column j is the discriminant function of class j against the rest; the largest wins."""
+
+    name: ClassVar[str] = "one_against_all"
+
+    @property
+    def columns(self) -> tuple[str, ...]:  # noqa: D102
+        return self.classes
+
+    def preference(self, values: Values) -> Values:  # noqa: D102
+        return values
+
+
+@dataclass(frozen=True)
+class ModifiedOneAgainstAll(Layout):
+    """Columns as one-against-all; the class whose training mean the score lies nearest wins.
+
+    ``class_means`` holds the mean of D_j over the training samples of class j. The winner is
+    argmin_j |D_j - mean_j|; the confidence is the distance of the runner-up less the winner's.
+
+    References
+    ----------
+    Pronobis and Caputo, Confidence-based cue integration for visual place recognition, IROS 2007.
+    """
+
+    class_means: tuple[float, ...] = ()
+    name: ClassVar[str] = "modified_one_against_all"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.class_means) != len(self.classes):
+            raise UsageError(
+                f"modified one-against-all needs one mean a class: {len(self.classes)} classes, "
+                f"{len(self.class_means)} means"
+            )
+
+    @property
+    def columns(self) -> tuple[str, ...]:  # noqa: D102
+        return self.classes
+
+    def preference(self, values: Values) -> Values:  # noqa: D102
+        return np.asarray(-np.abs(values - np.asarray(self.class_means)))
+
+    def to_json(self) -> dict[str, Any]:  # noqa: D102
+        return {**super().to_json(), "class_means": list(self.class_means)}
+
+
+@dataclass(frozen=True)
+class Probabilities(Layout):
+    """Column j is the probability of class j; the largest wins."""
+
+    name: ClassVar[str] = "probabilities"
+
+    @property
+    def columns(self) -> tuple[str, ...]:  # noqa: D102
+        return self.classes
+
+    def preference(self, values: Values) -> Values:  # noqa: D102
+        return values
+
+
+@dataclass(frozen=True)
+class OneAgainstOne(Layout):
+    """Columns are the pairs (i, j), i < j, in order of label; positive means that i beats j.
+
+    Majority vote; then a vote among the tied; then the class whose worst lost margin is least
+    bad. The confidence is the smallest signed distance from the sample to the hyperplanes that
+    separate the winner from each other class.
+    """
+
+    name: ClassVar[str] = "one_against_one"
+
+    @property
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """The class indices of each column."""
+        return tuple(combinations(range(len(self.classes)), 2))
+
+    @property
+    def columns(self) -> tuple[str, ...]:  # noqa: D102
+        return tuple(f"{self.classes[i]}|{self.classes[j]}" for i, j in self.pairs)
+
+    def margins(self, values: Values) -> Values:
+        """Return margin[s, i, j], by how much class i beats class j, shape (n, M, M)."""
+        m = len(self.classes)
+        table = np.zeros((len(values), m, m))
+        first, second = np.array(self.pairs).T
+        table[:, first, second] = values
+        table[:, second, first] = -values
+        return table
+
+    def preference(self, values: Values) -> Values:
+        """Return ranks by votes, then votes among the tied, then the worst margin."""
+        margins = self.margins(values)
+        wins = margins > 0
+        votes = wins.sum(axis=2)
+        level = votes[:, :, None] == votes[:, None, :]
+        second = (wins & level).sum(axis=2)
+        other = level & (second[:, :, None] == second[:, None, :])
+        other &= ~np.eye(len(self.classes), dtype=bool)
+        worst = np.where(other, margins, np.inf).min(axis=2)
+        order = np.lexsort((worst, second, votes), axis=1)
+        ranks = np.empty_like(order)
+        np.put_along_axis(ranks, order, np.arange(order.shape[1])[None, :], axis=1)
+        return ranks.astype(np.float64)
+
+    def confidence(self, values: Values, ranking: NDArray[np.int64]) -> Values:  # noqa: D102
+        margins = self.margins(values)
+        won = np.take_along_axis(margins, ranking[:, :1, None], axis=1)[:, 0]
+        np.put_along_axis(won, ranking[:, :1], np.inf, axis=1)
+        return np.asarray(won.min(axis=1))
+
+
+LAYOUTS: dict[str, type[Layout]] = {
+    kind.name: kind for kind in (OneAgainstOne, OneAgainstAll, ModifiedOneAgainstAll, Probabilities)
+}
+
+
+def layout_from_json(data: dict[str, Any]) -> Layout:
+    """Build a layout from what :meth:`Layout.to_json` gave.
+
+    Raises
+    ------
+    DataError
+        If the layout is not one that this version knows.
+    """
+    fields = dict(data)
+    name = str(fields.pop("layout", None))
+    if name not in LAYOUTS:
+        raise DataError(f"unknown score layout '{name}'; known: {', '.join(sorted(LAYOUTS))}")
+    return LAYOUTS[name](**{key: tuple(value) for key, value in fields.items()})
+
+
+@dataclass(frozen=True, slots=True)
+class Scores:
+    """Real-valued outputs for n samples.
+
+    Parameters
+    ----------
+    values : ndarray of float64, shape (n, V)
+        The outputs.
+    layout : Layout
+        What the V columns are.
+    """
+
+    values: Values
+    layout: Layout
+
+    def decide(self) -> Decision:
+        """Apply the layout's own rule; see :meth:`Layout.decide`."""
+        return self.layout.decide(self.values)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, rows: Any) -> Scores:
+        return Scores(self.values[rows], self.layout)

@@ -1,0 +1,167 @@
+"""Labelled areas and the navigation graph that they lie on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from placecue.errors import DataError
+
+#: The label of an area that no belief was sure enough of.
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A place that the robot has been at.
+
+    Parameters
+    ----------
+    id : int
+        Number of the node.
+    x, y : float
+        Position, m.
+    area : int
+        The area that the node belongs to.
+    gateway : bool
+        Whether the node is a door.
+    """
+
+    id: int
+    x: float
+    y: float
+    area: int
+    gateway: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """A part of space between boundaries, with one label.
+
+    Parameters
+    ----------
+    id : int
+        Number of the area.
+    label : str
+        The class, or ``unknown``.
+    confidence : float
+        Confidence of the accumulated belief; 0 where unknown.
+    scores : dict of str to float
+        Accumulated score by column of the layout.
+    start, end : int
+        Stamps of the first and last observation, ns.
+    trajectory : tuple of (float, float)
+        Positions that the robot passed, m, thinned to one a bin.
+    """
+
+    id: int
+    label: str
+    confidence: float
+    scores: dict[str, float] = field(default_factory=dict)
+    start: int = 0
+    end: int = 0
+    trajectory: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class SemanticMap:
+    """Areas with labels, nodes on which the robot was, and edges between the nodes.
+
+    Parameters
+    ----------
+    areas : tuple of Area
+    nodes : tuple of Node
+    edges : tuple of (int, int)
+        Pairs of node ids, the smaller first.
+    classes : tuple of str
+        The classes that labels come from.
+    frame : str
+        The frame that positions are given in.
+    """
+
+    areas: tuple[Area, ...]
+    nodes: tuple[Node, ...]
+    edges: tuple[tuple[int, int], ...]
+    classes: tuple[str, ...]
+    frame: str = "odom"
+
+    def area(self, number: int) -> Area:
+        """Return the area of the given id."""
+        return next(area for area in self.areas if area.id == number)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the map as plain data."""
+        return {
+            "type": "placecue/semantic_map",
+            "version": 1,
+            "frame": self.frame,
+            "classes": list(self.classes),
+            "areas": [asdict(area) for area in self.areas],
+            "nodes": [asdict(node) for node in self.nodes],
+            "edges": [list(edge) for edge in self.edges],
+        }
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> SemanticMap:
+        """Read back what :meth:`to_json` gave.
+
+        Raises
+        ------
+        DataError
+            If the data are not a semantic map of a known version.
+        """
+        if data.get("type") != "placecue/semantic_map" or data.get("version") != 1:
+            raise DataError(
+                "not a semantic map: expected type 'placecue/semantic_map' of version 1, got "
+                f"{data.get('type')!r} of version {data.get('version')!r}"
+            )
+        areas = (
+            Area(**{**area, "trajectory": tuple((x, y) for x, y in area["trajectory"])})
+            for area in data["areas"]
+        )
+        return cls(
+            areas=tuple(areas),
+            nodes=tuple(Node(**node) for node in data["nodes"]),
+            edges=tuple((a, b) for a, b in data["edges"]),
+            classes=tuple(data["classes"]),
+            frame=data["frame"],
+        )
+
+    def to_geojson(self) -> dict[str, Any]:
+        """Return areas as line strings, nodes as points, edges as lines, metres as coordinates."""
+        at = {node.id: (node.x, node.y) for node in self.nodes}
+        features = [
+            _feature(
+                "MultiPoint" if len(area.trajectory) < 2 else "LineString",
+                [list(point) for point in area.trajectory],
+                {"kind": "area", "id": area.id, "label": area.label, "confidence": area.confidence},
+            )
+            for area in self.areas
+        ]
+        features += [
+            _feature(
+                "Point",
+                [node.x, node.y],
+                {
+                    "kind": "node",
+                    "id": node.id,
+                    "area": node.area,
+                    "gateway": node.gateway,
+                    "label": self.area(node.area).label,
+                },
+            )
+            for node in self.nodes
+        ]
+        features += [
+            _feature("LineString", [list(at[a]), list(at[b])], {"kind": "edge", "nodes": [a, b]})
+            for a, b in self.edges
+        ]
+        return {"type": "FeatureCollection", "features": features}
+
+
+def _feature(geometry: str, coordinates: Any, properties: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "type": "Feature",
+        "geometry": {"type": geometry, "coordinates": coordinates},
+        "properties": properties,
+    }

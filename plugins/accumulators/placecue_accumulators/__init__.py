@@ -1,0 +1,33 @@
+"""The built-in accumulators, and the boundaries between areas."""
+
+from __future__ import annotations
+
+from placecue.discovery.hooks import Component, hookimpl
+
+
+@hookimpl
+def placecue_components() -> list[Component]:
+    """Return the components of this package."""
+    return [
+        Component(
+            kind="accumulator",
+            name="spatiotemporal",
+            factory="placecue_accumulators.spatiotemporal:SpatioTemporal",
+            summary="Beliefs averaged in bins of space, summed over an area",
+            requires=("pose",),
+        ),
+        Component(
+            kind="boundary",
+            name="door",
+            factory="placecue_accumulators.door:Door",
+            summary="A doorway that the laser sees on both sides",
+            requires=("scan", "pose"),
+        ),
+        Component(
+            kind="boundary",
+            name="node",
+            factory="placecue_accumulators.node:NodeLeft",
+            summary="The node of the navigation graph that was left",
+            requires=("pose",),
+        ),
+    ]

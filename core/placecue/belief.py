@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from placecue.scores import Scores
@@ -21,12 +22,17 @@ class Belief:
         The class that the scores' own rule picks.
     confidence : float
         How unambiguous that pick is; larger is surer.
-    cues_used : tuple of str
-        The cues that were extracted to get there.
+    cue_scores : mapping of str to Scores
+        The outputs of each cue that was extracted to get there, one row each.
     """
 
     stamp: int
     scores: Scores
     label: str
     confidence: float
-    cues_used: tuple[str, ...]
+    cue_scores: Mapping[str, Scores]
+
+    @property
+    def cues_used(self) -> tuple[str, ...]:
+        """The cues that were extracted to get there."""
+        return tuple(self.cue_scores)

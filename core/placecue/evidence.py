@@ -42,7 +42,7 @@ class Evidence(ABC):
         """Return the layout of a cue's scores, without computing any."""
 
     @abstractmethod
-    def scores(self, cue: str, rows: Rows | None = None) -> Scores:
+    def scores(self, cue: str, rows: Sequence[int] | Rows | None = None) -> Scores:
         """Return a cue's scores for the given rows (all by default), computing what is missing."""
 
     @abstractmethod
@@ -72,7 +72,7 @@ class StoredEvidence(Evidence):
     def layout(self, cue: str) -> Layout:  # noqa: D102
         return self._of(cue).layout
 
-    def scores(self, cue: str, rows: Rows | None = None) -> Scores:  # noqa: D102
+    def scores(self, cue: str, rows: Sequence[int] | Rows | None = None) -> Scores:  # noqa: D102
         of_cue = self._of(cue)
         return of_cue if rows is None else of_cue[rows]
 
@@ -109,7 +109,7 @@ class ObservedEvidence(Evidence):
     def layout(self, cue: str) -> Layout:  # noqa: D102
         return self._model(cue)[1].layout_
 
-    def scores(self, cue: str, rows: Rows | None = None) -> Scores:  # noqa: D102
+    def scores(self, cue: str, rows: Sequence[int] | Rows | None = None) -> Scores:  # noqa: D102
         extractor, classifier = self._model(cue)
         rows = np.arange(len(self)) if rows is None else np.asarray(rows)
         n_columns = len(classifier.layout_.columns)

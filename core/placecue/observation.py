@@ -102,9 +102,8 @@ class LaserScan:
         valid = self.valid()
         bearing = self.angles[valid] + self.mount.theta
         offset = np.array([self.mount.x, self.mount.y])
-        return offset + self.ranges[valid, None] * np.column_stack(
-            [np.cos(bearing), np.sin(bearing)]
-        )
+        direction = np.column_stack([np.cos(bearing), np.sin(bearing)])
+        return np.asarray(offset + self.ranges[valid, None] * direction)
 
 
 @dataclass(frozen=True, slots=True)

@@ -96,7 +96,7 @@ class Pipeline:
                 scores=scores[row : row + 1],
                 label=str(decision.labels[row]),
                 confidence=float(decision.confidence[row]),
-                cues_used=evidence.used(row),
+                cue_scores={cue: evidence.scores(cue, [row]) for cue in evidence.used(row)},
             )
             for row, observation in enumerate(observations)
         ]

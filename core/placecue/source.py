@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from placecue.observation import Observation
 
@@ -35,3 +36,29 @@ class Source(ABC):
     def count(self) -> int | None:
         """Return the number of observations where it is known beforehand, for progress bars."""
         return None
+
+
+class Chain(Source):
+    """Several sources, one after the other.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        In the order in which they are read.
+    """
+
+    def __init__(self, sources: Sequence[Source]) -> None:
+        self.sources = tuple(sources)
+        self.name = " + ".join(source.name for source in self.sources)
+
+    def __iter__(self) -> Iterator[Observation]:
+        for source in self.sources:
+            yield from source
+
+    def digest(self) -> str:  # noqa: D102
+        joined = " ".join(source.digest() for source in self.sources)
+        return hashlib.sha256(joined.encode()).hexdigest()
+
+    def count(self) -> int | None:  # noqa: D102
+        counts = [source.count() for source in self.sources]
+        return sum(counts) if None not in counts else None  # type: ignore[arg-type]

@@ -1,1 +1,34 @@
-"""Logs: MCAP in, MCAP out."""
+"""Logs: MCAP in, MCAP out. ROS is not needed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from placecue.discovery.hooks import Component, hookimpl
+
+if TYPE_CHECKING:
+    from placecue.logs.reader import McapLog, open_log
+
+__all__ = ["McapLog", "open_log", "placecue_components"]
+
+
+@hookimpl
+def placecue_components() -> list[Component]:
+    """Return the components of this package."""
+    return [
+        Component(
+            kind="source",
+            name="mcap",
+            factory="placecue.logs.reader:McapLog",
+            summary="MCAP log: ROS 2 (CDR) or Foxglove JSON messages",
+            requires=("path",),
+        ),
+    ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in {"McapLog", "open_log"}:
+        from placecue.logs import reader
+
+        return getattr(reader, name)
+    raise AttributeError(f"module 'placecue.logs' has no attribute '{name}'")

@@ -1,0 +1,94 @@
+"""The command line: ``placecue COMMAND [Hydra overrides]``.
+
+Heavy imports are late: help and errors of usage answer at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from placecue.errors import PlacecueError, UsageError, choices
+
+COMMANDS = {
+    "demo": "make sample logs, train, classify, label; writes a report and a map",
+    "train": "log(s) -> model folder",
+    "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
+    "label": "model + log -> semantic map, online in one pass",
+    "convert": "any source -> MCAP",
+    "info": "what is in a log, and which topics would be used",
+    "plugins": "the components that are installed, and plugins that do not load",
+}
+#: Set to 1 for full tracebacks; ``hydra.verbose=true`` does it for one run.
+TRACEBACK = "PLACECUE_TRACEBACK"
+
+HELP = """\
+placecue: what kind of place a robot is in, from many cues.
+
+usage: placecue COMMAND [key=value ...] [options]
+
+commands:
+{commands}
+
+placecue COMMAND --help                       its options and their values
+placecue train log=a.mcap cue=[crfh,laser] integrator=svm_das out=model
+placecue COMMAND --cfg job                    the composed config, without running
+placecue COMMAND -m key=value1,value2         a sweep: one run for each value
+placecue --no-plugins COMMAND                 the built-in plugins alone
+placecue --version
+eval "$(placecue -sc install=bash)"           tab completion (or fish)
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; exits with 0, 1 (data) or 2 (usage)."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if "--no-plugins" in words:
+        words = [word for word in words if word != "--no-plugins"]
+        os.environ["PLACECUE_NO_PLUGINS"] = "1"
+    sys.exit(run(words))
+
+
+def run(words: list[str]) -> int:
+    """Run one command line and return its exit status."""
+    if not words or words[0] in ("-h", "--help", "help"):
+        print(help_text())
+        return 0
+    if words[0] == "--version":
+        from placecue import __version__
+
+        print(f"placecue {__version__}")
+        return 0
+    try:
+        if words[0] in ("-sc", "--shell_completion", "--shell-completion"):
+            from placecue.completion import complete
+
+            return complete(words[1:])
+        command, overrides = words[0], words[1:]
+        if command not in COMMANDS:
+            raise UsageError(f"unknown command '{command}'; {choices(command, COMMANDS)}")
+        from placecue.hydra_run import run_command
+
+        return run_command(command, overrides)
+    except PlacecueError as error:
+        if wants_traceback(words):
+            raise
+        print(f"placecue: {error}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("placecue: interrupted", file=sys.stderr)
+        return 130
+
+
+def help_text() -> str:
+    """Return the help of the command line as a whole."""
+    width = max(map(len, COMMANDS))
+    return HELP.format(commands="\n".join(f"  {n:<{width}}  {s}" for n, s in COMMANDS.items()))
+
+
+def wants_traceback(words: Sequence[str]) -> bool:
+    """Tell whether errors should show the whole traceback."""
+    return os.environ.get(TRACEBACK) == "1" or any(
+        word.lower() in ("hydra.verbose=true", "hydra.verbose=1") for word in words
+    )

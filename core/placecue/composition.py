@@ -1,0 +1,92 @@
+"""A whole pipeline as a config: cues with their classifiers, an integrator, folds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from placecue.config import build, describe, is_component, kind_of_parameter
+from placecue.discovery.hooks import Kind
+from placecue.discovery.registry import Registry
+from placecue.errors import UsageError, choices
+from placecue.folds import FOLD_SCHEMES, FoldScheme
+from placecue.integrator import OnlyCue
+from placecue.pipeline import Pipeline
+
+
+def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeline:
+    """Build an unfitted pipeline from its config.
+
+    Parameters
+    ----------
+    composition : mapping
+        ``cues`` (by name, each a cue with its ``classifier``), ``integrator`` (or nothing) and
+        ``folds``.
+    registry : Registry
+        Builds the components.
+
+    Raises
+    ------
+    UsageError
+        If a component, a parameter or the fold scheme is unknown, or a cue has no classifier.
+    """
+    cues = {}
+    for name, spec in (composition.get("cues") or {}).items():
+        cue = {key: value for key, value in spec.items() if key != "classifier"}
+        where = f"cues.{name}"
+        cues[name] = (
+            build(cue, "cue", registry, where),
+            build(spec.get("classifier"), "classifier", registry, f"{where}.classifier"),
+        )
+    integrator = composition.get("integrator") or None
+    return Pipeline(
+        cues,
+        None if integrator is None else build(integrator, "integrator", registry),
+        build_folds(composition.get("folds") or {}),
+    )
+
+
+def build_folds(config: Mapping[str, Any]) -> FoldScheme:
+    """Build a fold scheme from ``scheme`` and its parameters."""
+    parameters = dict(config)
+    name = parameters.pop("scheme", "interleaved")
+    if name not in FOLD_SCHEMES:
+        raise UsageError(f"unknown fold scheme '{name}'; {choices(name, FOLD_SCHEMES)}")
+    scheme = FOLD_SCHEMES[name]
+    for parameter in parameters:
+        if parameter not in scheme.__dataclass_fields__:
+            known = choices(parameter, scheme.__dataclass_fields__)
+            raise UsageError(f"fold scheme '{name}' has no parameter '{parameter}'; {known}")
+    return scheme(**parameters)
+
+
+def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
+    """Return the config that builds a pipeline anew, the opposite of :func:`build_pipeline`."""
+    integrator = pipeline.integrator
+    scheme = next(name for name, kind in FOLD_SCHEMES.items() if kind is type(pipeline.folds))
+    return {
+        "cues": {
+            name: {**describe(cue, registry), "classifier": describe(classifier, registry)}
+            for name, (cue, classifier) in pipeline.cues.items()
+        },
+        "integrator": None if isinstance(integrator, OnlyCue) else describe(integrator, registry),
+        "folds": {"scheme": scheme, **asdict(pipeline.folds)},
+    }
+
+
+def components_of(composition: Mapping[str, Any], registry: Registry) -> Iterator[tuple[Kind, str]]:
+    """Yield the kind and name of every component that a pipeline's config names."""
+    for spec in composition["cues"].values():
+        yield from _components(spec, "cue", registry)
+    if composition["integrator"]:
+        yield from _components(composition["integrator"], "integrator", registry)
+
+
+def _components(
+    spec: Mapping[str, Any], kind: Kind, registry: Registry
+) -> Iterator[tuple[Kind, str]]:
+    yield kind, spec["plugin"]
+    for name, value in spec.items():
+        if is_component(value):
+            yield from _components(value, kind_of_parameter(name, value, registry), registry)

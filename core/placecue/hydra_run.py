@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 import sys
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
-from hydra.errors import HydraException
+from hydra.errors import ConfigCompositionException, HydraException, MissingConfigException
 from hydra.types import RunMode
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
 from placecue.config import plain
+from placecue.discovery.hooks import Kind
+from placecue.discovery.manager import current_plugins
 from placecue.discovery.options import BUILT_IN_CONFIGS, register_with_hydra
-from placecue.errors import PlacecueError, UsageError
+from placecue.errors import PlacecueError, UsageError, choices
 
 
 def run_command(command: str, overrides: list[str]) -> int:
@@ -45,15 +48,22 @@ def run_command(command: str, overrides: list[str]) -> int:
     register_with_hydra()
     # Hydra would print exceptions itself and exit; ours go up to the command line instead.
     os.environ["HYDRA_FULL_ERROR"] = "1"
-    sys.argv = ["placecue", *overrides]
+    sys.argv = ["placecue", *_overrides_first(overrides)]
     entry = hydra.main(version_base="1.3", config_path=BUILT_IN_CONFIGS, config_name=command)
+    task = Task(command)
     try:
-        entry(Task(command))()
+        entry(task)()
     except SystemExit as done:
+        if task.error is not None:
+            raise task.error from task.error.__cause__
         # argparse's way out: --help, or an option that Hydra does not have.
         return done.code if isinstance(done.code, int) else 0
     except MissingMandatoryValue as error:
         raise UsageError(_missing(command, error)) from error
+    except MissingConfigException as error:
+        raise UsageError(_unknown_option(command, error)) from error
+    except ConfigCompositionException as error:
+        raise UsageError(_unknown_key(command, overrides, error)) from error
     except (HydraException, OmegaConfBaseException) as error:
         raise UsageError(f"{command}: {_one_line(error)}") from error
     except ValueError as error:
@@ -73,10 +83,16 @@ class Task:
     ----------
     command : str
         The command.
+
+    Attributes
+    ----------
+    error : Exception or None
+        What went wrong in a single run.
     """
 
     def __init__(self, command: str) -> None:
         self.command = command
+        self.error: Exception | None = None
 
     @property
     def __name__(self) -> str:
@@ -84,11 +100,29 @@ class Task:
 
     def __call__(self, config: DictConfig) -> None:
         """Run the command."""
+        if HydraConfig.get().mode is RunMode.MULTIRUN:
+            self._run(config, HydraConfig.get().job.num)
+            return
+        try:
+            self._run(config)
+        except Exception as error:
+            # Hydra writes a line of its own about exceptions, but lets an exit pass.
+            self.error = error
+            raise SystemExit(1) from error
+
+    def _run(self, config: DictConfig, job: int | None = None) -> None:
         module = import_module(f"placecue.commands.{self.command}")
         settings: dict[str, Any] = plain(config)
-        if HydraConfig.get().mode is RunMode.MULTIRUN and module.OUT_IS_FOLDER:
-            settings["out"] = str(Path(settings["out"]) / str(HydraConfig.get().job.num))
+        if job is not None and module.OUT_IS_FOLDER:
+            settings["out"] = str(Path(settings["out"]) / str(job))
         module.run(settings)
+
+
+def _overrides_first(words: list[str]) -> list[str]:
+    """Put overrides before options: Hydra refuses those that come after one."""
+    if "-sc" in words:
+        return words
+    return sorted(words, key=lambda word: re.match(r"[^-=][^=]*=|~", word) is None)
 
 
 def _log_to_stderr() -> None:
@@ -104,6 +138,38 @@ def _log_to_stderr() -> None:
 def _missing(command: str, error: MissingMandatoryValue) -> str:
     key = getattr(error, "full_key", None) or "a value"
     return f"{command} needs {key}=...; see placecue {command} --help"
+
+
+def _unknown_option(command: str, error: MissingConfigException) -> str:
+    group, _, name = str(error.missing_cfg_file).rpartition("/")
+    options = error.options or current_plugins().registry.names(cast(Kind, group))
+    if not group:
+        return f"{command}: {_one_line(error)}"
+    return f"{command}: unknown {group} '{name}'; {choices(name, options)}"
+
+
+def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
+    """Describe an override of a key that is not there, with the keys that are."""
+    found = re.match(r"Could not override '([^']+)'", str(error))
+    if found is None:
+        return f"{command}: {_one_line(error)}"
+    key = found.group(1)
+    parent, _, name = key.rpartition(".")
+    known = _keys_of(command, [o for o in overrides if not o.startswith((key, "-"))], parent)
+    where = f" in {parent}" if parent else ""
+    return f"{command}: there is no '{name}'{where}; {choices(name, known)}"
+
+
+def _keys_of(command: str, overrides: list[str], parent: str) -> list[str]:
+    with hydra.initialize_config_module(
+        version_base="1.3", config_module=BUILT_IN_CONFIGS.removeprefix("pkg://")
+    ):
+        try:
+            config = hydra.compose(command, overrides)
+        except HydraException:
+            return []
+    node = OmegaConf.select(config, parent) if parent else config
+    return [str(key) for key in node] if isinstance(node, DictConfig) else []
 
 
 def _one_line(error: BaseException) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from operator import length_hint
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -57,8 +58,8 @@ def shown() -> Iterator[None]:
     with Progress(*columns, console=console, transient=True) as bars:
 
         def report(items: Iterable[T], what: str, total: int | None) -> Iterator[T]:
-            length = total if total is not None else getattr(items, "__len__", lambda: None)()
-            task = bars.add_task(what, total=length)
+            length = total if total is not None else length_hint(items, -1)
+            task = bars.add_task(what, total=length if length >= 0 else None)
             try:
                 for item in items:
                     yield item

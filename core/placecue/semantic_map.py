@@ -86,8 +86,17 @@ class SemanticMap:
     frame: str = "odom"
 
     def area(self, number: int) -> Area:
-        """Return the area of the given id."""
-        return next(area for area in self.areas if area.id == number)
+        """Return the area of the given id.
+
+        Raises
+        ------
+        DataError
+            If there is no such area.
+        """
+        for area in self.areas:
+            if area.id == number:
+                return area
+        raise DataError(f"the map has no area {number}; it has {len(self.areas)} areas")
 
     def to_json(self) -> dict[str, Any]:
         """Return the map as plain data."""
@@ -108,28 +117,31 @@ class SemanticMap:
         Raises
         ------
         DataError
-            If the data are not a semantic map of a known version.
+            If the data are not a semantic map of a known version, or lack something.
         """
         if data.get("type") != "placecue/semantic_map" or data.get("version") != 1:
             raise DataError(
                 "not a semantic map: expected type 'placecue/semantic_map' of version 1, got "
                 f"{data.get('type')!r} of version {data.get('version')!r}"
             )
-        areas = (
-            Area(**{**area, "trajectory": tuple((x, y) for x, y in area["trajectory"])})
-            for area in data["areas"]
-        )
-        return cls(
-            areas=tuple(areas),
-            nodes=tuple(Node(**node) for node in data["nodes"]),
-            edges=tuple((a, b) for a, b in data["edges"]),
-            classes=tuple(data["classes"]),
-            frame=data["frame"],
-        )
+        try:
+            return cls(
+                areas=tuple(_area(area) for area in data["areas"]),
+                nodes=tuple(Node(**node) for node in data["nodes"]),
+                edges=tuple((a, b) for a, b in data["edges"]),
+                classes=tuple(data["classes"]),
+                frame=data["frame"],
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise DataError(
+                f"broken semantic map ({type(error).__name__}: {error}): make it again with "
+                "'placecue label'"
+            ) from error
 
     def to_geojson(self) -> dict[str, Any]:
         """Return areas as line strings, nodes as points, edges as lines, metres as coordinates."""
         at = {node.id: (node.x, node.y) for node in self.nodes}
+        label_of = {area.id: area.label for area in self.areas}
         features = [
             _feature(
                 "MultiPoint" if len(area.trajectory) < 2 else "LineString",
@@ -147,7 +159,7 @@ class SemanticMap:
                     "id": node.id,
                     "area": node.area,
                     "gateway": node.gateway,
-                    "label": self.area(node.area).label,
+                    "label": label_of[node.area],
                 },
             )
             for node in self.nodes
@@ -157,6 +169,10 @@ class SemanticMap:
             for a, b in self.edges
         ]
         return {"type": "FeatureCollection", "features": features}
+
+
+def _area(data: dict[str, Any]) -> Area:
+    return Area(**{**data, "trajectory": tuple((x, y) for x, y in data["trajectory"])})
 
 
 def _feature(geometry: str, coordinates: Any, properties: dict[str, Any]) -> dict[str, Any]:

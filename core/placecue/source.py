@@ -37,6 +37,10 @@ class Source(ABC):
         """Return the number of observations where it is known beforehand, for progress bars."""
         return None
 
+    def __length_hint__(self) -> int:
+        count = self.count()
+        return NotImplemented if count is None else count
+
 
 class Chain(Source):
     """Several sources, one after the other.

@@ -114,10 +114,10 @@ def _load(entry_point: EntryPoint, distribution: str, version: str, loaded: Plug
     try:
         loaded.manager.register(entry_point.load(), name=name)
         loaded.manager.check_pending()
-        for path in _contributions(loaded, name, "placecue_config_paths"):
-            loaded.config_paths[str(path)] = distribution
-        for component in _contributions(loaded, name, "placecue_components"):
-            loaded.registry.add(component, distribution, version)
+        paths = _contributions(loaded, name, "placecue_config_paths")
+        components = _contributions(loaded, name, "placecue_components")
+        loaded.registry.add(components, distribution, version)
+        loaded.config_paths.update({str(path): distribution for path in paths})
     # A plugin may do anything while it is imported, such as sys.exit; only ^C goes through.
     except (Exception, SystemExit) as error:
         if loaded.manager.has_plugin(name):
@@ -126,7 +126,7 @@ def _load(entry_point: EntryPoint, distribution: str, version: str, loaded: Plug
     return None
 
 
-def _contributions(loaded: Plugins, name: str, hook: str) -> Iterable[Any]:
+def _contributions(loaded: Plugins, name: str, hook: str) -> list[Any]:
     implementations: list[Callable[[], Iterable[Any]]] = [
         each.function
         for each in getattr(loaded.manager.hook, hook).get_hookimpls()

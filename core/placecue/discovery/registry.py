@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -48,14 +48,22 @@ class Registry:
         self._claims: dict[tuple[Kind, str], list[Provided]] = defaultdict(list)
         self.problems: list[Problem] = []
 
-    def add(self, component: Component, distribution: str, version: str) -> None:
-        """Register a component.
+    def add(self, components: Sequence[Component], distribution: str, version: str) -> None:
+        """Register the components of one plugin, all or none of them.
 
         Raises
         ------
         PluginError
-            If it is of an unknown kind or its factory is no import string.
+            If one is of an unknown kind or its factory is no import string.
         """
+        for component in components:
+            self._check(component)
+        for component in components:
+            claim = Provided(component, distribution, version)
+            self._claims[component.kind, component.name].append(claim)
+
+    @staticmethod
+    def _check(component: Component) -> None:
         if component.kind not in KINDS:
             raise PluginError(
                 f"component '{component.name}' is of unknown kind '{component.kind}'; "
@@ -66,8 +74,6 @@ class Registry:
                 f"the factory of {component.kind} '{component.name}' is '{component.factory}'; "
                 "it must be an import string such as 'package.module:Class'"
             )
-        claim = Provided(component, distribution, version)
-        self._claims[component.kind, component.name].append(claim)
 
     def __iter__(self) -> Iterator[Provided]:
         """Iterate over every claim, by kind and name."""

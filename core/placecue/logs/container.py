@@ -13,12 +13,10 @@ from mcap.reader import SeekingReader
 from mcap.records import (
     Channel,
     ChunkIndex,
-    Header,
     McapRecord,
     Message,
     Metadata,
     Schema,
-    Statistics,
 )
 from mcap.summary import Summary
 
@@ -114,9 +112,9 @@ class LogFile:
         self.path = Path(path)
         self.size = _checked_size(self.path)
         self.contents = _from_summary(self.path) or _survey(self.path, self.size)
-        self._told: set[str] = set()
+        self._told_of_chunks = False
         if self.contents.damage is not None:
-            self._tell_cut(self.contents, self.contents.damage)
+            self._tell_cut(self.contents.damage)
 
     def topics(self) -> list[Topic]:
         """Return the topics in order of name; one that changes its schema appears twice."""
@@ -148,6 +146,7 @@ class LogFile:
         since = 0 if since is None else since
         until = 2**64 if until is None else until
         wanted = frozenset(channels)
+        damaged: list[Damage] = []
         with self.path.open("rb") as file:
             if self.contents.chunks:
                 chunks = [
@@ -157,9 +156,7 @@ class LogFile:
                     and chunk.message_start_time < until
                     and _may_hold(chunk, wanted)
                 ]
-                found: Iterator[McapRecord] = indexed.messages(
-                    file, chunks, wanted, self._tell_chunk
-                )
+                found: Iterator[McapRecord] = indexed.messages(file, chunks, wanted, damaged.append)
             else:
                 found = _until_damage(linear.records(file, self.size))
             for record in found:
@@ -169,32 +166,29 @@ class LogFile:
                     and since <= record.log_time < until
                 ):
                     yield record
+        self._tell_chunks(damaged)
 
     def digest(self) -> str:
         """Return the SHA-256 of the file's bytes, in hexadecimal."""
         with self.path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
 
-    def _tell_chunk(self, damage: Damage) -> None:
-        self._tell_once(
-            f"{self.path}: the chunk at byte {damage.offset} is damaged ({damage.reason}) and "
-            "left out; later damage is not reported again"
-        )
+    def _tell_chunks(self, damaged: list[Damage]) -> None:
+        if damaged and not self._told_of_chunks:
+            self._told_of_chunks = True
+            log.warning(
+                f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged and "
+                f"left out, the first at byte {damaged[0].offset} ({damaged[0].reason})"
+            )
 
-    def _tell_cut(self, contents: Contents, damage: Damage) -> None:
-        total = (contents.counts or Counter()).total()
-        seconds = (contents.end - contents.start) * 1e-9
-        self._tell_once(
+    def _tell_cut(self, damage: Damage) -> None:
+        total = (self.contents.counts or Counter()).total()
+        seconds = (self.contents.end - self.contents.start) * 1e-9
+        log.warning(
             f"{self.path} is cut off or damaged: read {total} messages over {seconds:.1f} s, up to "
             f"byte {damage.offset} of {self.size} ({damage.reason}); 'mcap recover' makes a whole "
             "file of what is left"
         )
-
-    def _tell_once(self, text: str) -> None:
-        kind = "chunk" if "the chunk at" in text else "cut"
-        if kind not in self._told:
-            log.warning(text)
-        self._told.add(kind)
 
 
 def _checked_size(path: Path) -> int:
@@ -278,8 +272,6 @@ def _survey(path: Path, size: int) -> Contents:
                     found.channels[record.id] = record
                 elif isinstance(record, Metadata):
                     found.metadata[record.name] = record.metadata
-                elif isinstance(record, Statistics | Header):
-                    continue
         except Damage as damage:
             found.damage = damage
     return found

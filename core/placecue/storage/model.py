@@ -42,7 +42,7 @@ def save_model(
     registry: Registry,
     *,
     trained_on: Iterable[Source] = (),
-    config: str | None = None,
+    config: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write a fitted pipeline into a folder.
 
@@ -56,8 +56,8 @@ def save_model(
         Names the components.
     trained_on : iterable of Source
         The logs, whose digests the manifest records.
-    config : str, optional
-        The resolved config as YAML; by default that of the pipeline alone.
+    config : mapping, optional
+        The resolved config of the run; by default that of the pipeline alone.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def save_model(
     }
     made(folder)
     (folder / MANIFEST).unlink(missing_ok=True)
-    write_text(folder / CONFIG, config or _as_yaml(composition))
+    write_text(folder / CONFIG, _as_yaml(config or composition))
     write_json(folder / STATE, state)
     with replacing(folder / ARRAYS) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, **cast(Any, encoder.arrays))

@@ -1,0 +1,5 @@
+"""``python -m placecue``."""
+
+from placecue.cli import main
+
+main()

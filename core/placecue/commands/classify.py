@@ -1,0 +1,44 @@
+"""``placecue classify``: model + log -> beliefs, and scores where the log is labelled."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from placecue import progress
+from placecue.commands import show
+from placecue.commands.logs import open_source
+from placecue.discovery.manager import current_plugins
+from placecue.evaluation.tally import Tally
+from placecue.labelling import run_log
+from placecue.listening import PluginListeners
+from placecue.logs.annotated import AnnotatedLog
+from placecue.storage.atomic import write_json
+from placecue.storage.belief_table import belief_table
+from placecue.storage.model import load_model
+
+OUT_IS_FOLDER = True
+
+
+def run(config: dict[str, Any]) -> None:
+    """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
+    out, plugins = Path(config["out"]), current_plugins()
+    pipeline = load_model(Path(config["model"]), plugins.registry)
+    log = open_source(config, plugins)
+    table, annotated, metrics = out / "beliefs.csv", out / "beliefs.mcap", out / "metrics.json"
+    tally = Tally()
+    with ExitStack() as stack, progress.shown():
+        listeners = [
+            tally,
+            stack.enter_context(belief_table(table)),
+            stack.enter_context(AnnotatedLog(annotated, pipeline.classes)),
+            PluginListeners(plugins),
+        ]
+        run_log(pipeline, log, listeners, batch=int(config["batch"]))
+    results = [("beliefs", table), ("beliefs with the log, for Foxglove", annotated)]
+    if tally.counts:
+        show.scores(tally)
+        results.append(("scores", write_json(metrics, tally.to_json())))
+    show.written(results)
+    plugins.tell("run_finished", command="classify", out=out)

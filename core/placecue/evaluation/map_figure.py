@@ -1,0 +1,246 @@
+"""The picture of a semantic map: areas coloured by category over what the laser saw.
+
+After figure 17 of Pronobis, Martinez Mozos, Caputo, Jensfelt, Multi-modal semantic place
+classification, IJRR 29(2-3), 2010.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.errors import UsageError, choices
+from placecue.semantic_map import UNKNOWN, Node, SemanticMap
+from placecue.storage.atomic import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Points = NDArray[np.float64]
+Truth = Sequence[tuple[float, float, str]]
+
+#: Okabe and Ito's palette, told apart by the colour-blind too; black is kept for gateways.
+PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")
+#: Shapes of nodes; the second is taken when the palette has been used up once, and so on.
+SHAPES = ("o", "s", "^", "D", "v", "p", "X")
+GREY = "#8A8A8A"
+FORMATS = ("png", "svg", "pdf")
+
+Style = tuple[str, str]
+
+
+def draw_semantic_map(
+    semantic_map: SemanticMap,
+    path: str | Path,
+    *,
+    points: Points | None = None,
+    classes: Sequence[str] | None = None,
+    truth: Truth | None = None,
+    title: str | None = None,
+    width: int = 1600,
+    voxel: float = 0.05,
+) -> Path:
+    """Draw a semantic map into a picture file.
+
+    Parameters
+    ----------
+    semantic_map : SemanticMap
+        What to draw; it may be empty.
+    path : str or Path
+        File to write, ``.png``, ``.svg`` or ``.pdf``. It appears whole or not at all.
+    points : ndarray of float64, shape (k, 2), optional
+        Laser end points or walls in the map's frame, m, for the background.
+    classes : sequence of str, optional
+        Categories for the legend; the map's own by default.
+    truth : sequence of (x, y, label), optional
+        True categories along the way (x, y in m), drawn as a thin line.
+    title : str, optional
+        Heading of the picture.
+    width : int
+        Width of the picture, pixels. Its height follows the shape of the map.
+    voxel : float
+        Of the points that share a square of this side, m, one is drawn.
+
+    Returns
+    -------
+    Path
+        The file that was written.
+
+    Raises
+    ------
+    UsageError
+        If the suffix of ``path`` is not that of a picture.
+    DataError
+        If the file cannot be written.
+    """
+    # The figure is made without pyplot, so no window system or global state comes into it.
+    from matplotlib.figure import Figure
+
+    styles = category_styles(_names(semantic_map, classes, truth))
+    background = thinned(points, voxel)
+    extent = _extent(semantic_map, background, truth)
+    figure = Figure(figsize=_size(extent, width), dpi=100, layout="constrained")
+    axes = figure.add_subplot()
+    axes.plot(*background.T, ",", color="#B5B5B5", zorder=1, rasterized=True)
+    _draw_truth(axes, truth or (), styles)
+    _draw_graph(axes, semantic_map, styles)
+    _draw_names(axes, semantic_map)
+    _frame(axes, extent, semantic_map.frame, title)
+    _legend(figure, styles, gateways=any(node.gateway for node in semantic_map.nodes))
+    return _save(figure, Path(path))
+
+
+def category_styles(names: Sequence[str]) -> dict[str, Style]:
+    """Return a colour and a shape for each category; ``unknown`` is a grey disc.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The categories, in order of the legend.
+
+    Returns
+    -------
+    dict of str to (str, str)
+        Colour (``#RRGGBB``) and matplotlib marker.
+    """
+    styles = {
+        name: (PALETTE[i % len(PALETTE)], SHAPES[i // len(PALETTE) % len(SHAPES)])
+        for i, name in enumerate(name for name in names if name != UNKNOWN)
+    }
+    return {**styles, UNKNOWN: (GREY, "o")}
+
+
+def thinned(points: Points | None, voxel: float) -> Points:
+    """Return one point for each square of side ``voxel`` (m) that holds any, shape (k, 2)."""
+    if points is None or len(points) == 0:
+        return np.empty((0, 2))
+    finite = points[np.isfinite(points).all(axis=1)]
+    cells = np.floor(finite / voxel).astype(np.int64)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    return np.asarray(finite[np.sort(first)])
+
+
+def _names(
+    semantic_map: SemanticMap, classes: Sequence[str] | None, truth: Truth | None
+) -> list[str]:
+    listed = list(semantic_map.classes if classes is None else classes)
+    met = {area.label for area in semantic_map.areas} | {label for _, _, label in truth or ()}
+    return listed + sorted(met.difference(listed))
+
+
+def _extent(semantic_map: SemanticMap, background: Points, truth: Truth | None) -> Points:
+    """Return the lower left and upper right corner of all that is drawn, m, shape (2, 2)."""
+    nodes = [(node.x, node.y) for node in semantic_map.nodes]
+    way = [(x, y) for x, y, _ in truth or ()]
+    parts = [np.asarray(part, dtype=np.float64).reshape(-1, 2) for part in (nodes, way)]
+    everything = np.concatenate([background, *parts])
+    if everything.size == 0:
+        return np.array([[-1.0, -1.0], [1.0, 1.0]])
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    margin = max(1.0, 0.03 * float((high - low).max()))
+    return np.array([low - margin, high + margin])
+
+
+def _size(extent: Points, width: int) -> tuple[float, float]:
+    across, up = extent[1] - extent[0]
+    inches = width / 100
+    return inches, inches * float(np.clip(up / across, 0.35, 1.6))
+
+
+def _draw_truth(axes: Axes, truth: Truth, styles: Mapping[str, Style]) -> None:
+    from matplotlib.collections import LineCollection
+
+    if len(truth) < 2:
+        return
+    way = np.array([(x, y) for x, y, _ in truth])
+    segments = np.stack([way[:-1], way[1:]], axis=1)
+    colours = [styles[label][0] for _, _, label in truth[1:]]
+    axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=1.2, zorder=2))
+
+
+def _draw_graph(axes: Axes, semantic_map: SemanticMap, styles: Mapping[str, Style]) -> None:
+    from matplotlib.collections import LineCollection
+
+    at = {node.id: (node.x, node.y) for node in semantic_map.nodes}
+    lines = [[at[a], at[b]] for a, b in semantic_map.edges]
+    axes.add_collection(LineCollection(lines, colors="#4D4D4D", linewidths=0.9, zorder=3))
+    label_of = {area.id: area.label for area in semantic_map.areas}
+    places: dict[Style, list[tuple[float, float]]] = defaultdict(list)
+    for node in semantic_map.nodes:
+        if not node.gateway:
+            places[styles[label_of[node.area]]].append((node.x, node.y))
+    edge: dict[str, Any] = {"markeredgecolor": "black", "markeredgewidth": 0.5}
+    for (colour, shape), where in places.items():
+        axes.plot(*zip(*where, strict=True), shape, color=colour, markersize=8, zorder=4, **edge)
+    gateways = np.array([(n.x, n.y) for n in semantic_map.nodes if n.gateway]).reshape(-1, 2)
+    axes.plot(*gateways.T, "D", color="black", markersize=5, zorder=5)
+
+
+def _draw_names(axes: Axes, semantic_map: SemanticMap, most: int = 60) -> None:
+    """Write the name of each area at its middle node; of very many only the largest."""
+    from matplotlib.patheffects import withStroke
+
+    members: dict[int, list[Node]] = defaultdict(list)
+    for node in semantic_map.nodes:
+        if not node.gateway:
+            members[node.area].append(node)
+    named = [area for area in semantic_map.areas if members[area.id]]
+    named.sort(key=lambda area: -len(members[area.id]))
+    for area in named[:most]:
+        node = _middle(members[area.id])
+        axes.annotate(
+            f"{area.label} {area.id}",
+            (node.x, node.y),
+            xytext=(7, 7),
+            textcoords="offset points",
+            fontsize=10,
+            zorder=6,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        )
+
+
+def _middle(nodes: Sequence[Node]) -> Node:
+    positions = np.array([(node.x, node.y) for node in nodes])
+    return nodes[int(((positions - positions.mean(axis=0)) ** 2).sum(axis=1).argmin())]
+
+
+def _frame(axes: Axes, extent: Points, frame: str, title: str | None) -> None:
+    axes.set_aspect("equal")
+    axes.set_xlim(extent[0, 0], extent[1, 0])
+    axes.set_ylim(extent[0, 1], extent[1, 1])
+    axes.set_xlabel(f"x in {frame} (m)", fontsize=13)
+    axes.set_ylabel(f"y in {frame} (m)", fontsize=13)
+    axes.tick_params(labelsize=11)
+    if title:
+        axes.set_title(title, fontsize=16)
+
+
+def _legend(figure: Figure, styles: Mapping[str, Style], gateways: bool) -> None:
+    from matplotlib.lines import Line2D
+
+    marks: dict[str, Any] = {"linestyle": "none", "markeredgecolor": "black", "markersize": 9}
+    handles = [
+        Line2D([], [], color=colour, marker=shape, label=name, **marks)
+        for name, (colour, shape) in styles.items()
+    ]
+    if gateways:
+        marks["markersize"] = 6
+        handles.append(Line2D([], [], color="black", marker="D", label="doorway passed", **marks))
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(len(handles), 8), fontsize=13
+    )
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    kind = path.suffix.lstrip(".").lower()
+    if kind not in FORMATS:
+        raise UsageError(f"{path} is no picture file: {choices(kind, FORMATS)}")
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format=kind)
+    return path

@@ -1,0 +1,92 @@
+"""Counts how often each class was taken for which, by every cue and by the whole pipeline."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from typing import Any
+
+from placecue.accumulator import AreaUpdate
+from placecue.belief import Belief
+from placecue.observation import Observation
+
+INTEGRATED = "integrated"
+
+
+class Tally:
+    """Confusion counts of a labelled log; a listener.
+
+    Attributes
+    ----------
+    counts : dict of str to Counter
+        For each method (a cue, or ``integrated``) how often (truth, predicted) came up.
+    unlabelled, unusable : int
+        Observations without a label, and with a label but without a belief.
+    """
+
+    def __init__(self) -> None:
+        self.counts: dict[str, Counter[tuple[str, str]]] = defaultdict(Counter)
+        self.unlabelled = 0
+        self.unusable = 0
+
+    def observe(
+        self, observation: Observation, belief: Belief | None, update: AreaUpdate | None
+    ) -> None:
+        """Count one observation."""
+        if observation.label is None:
+            self.unlabelled += 1
+        elif belief is None:
+            self.unusable += 1
+        else:
+            self._count(observation.label, belief)
+
+    def _count(self, truth: str, belief: Belief) -> None:
+        if len(belief.cue_scores) > 1:
+            for cue, scores in belief.cue_scores.items():
+                self.counts[cue][truth, str(scores.decide().labels[0])] += 1
+        self.counts[INTEGRATED][truth, belief.label] += 1
+
+    @property
+    def methods(self) -> list[str]:
+        """The cues, and ``integrated`` last."""
+        return [method for method in self.counts if method != INTEGRATED] + (
+            [INTEGRATED] if self.counts else []
+        )
+
+    def classes(self) -> list[str]:
+        """Return the classes that occur as truth, sorted."""
+        return sorted({truth for counter in self.counts.values() for truth, _ in counter})
+
+    def samples(self, truth: str) -> int:
+        """Return how many samples of a class the pipeline decided on."""
+        counter = self.counts[INTEGRATED]
+        return sum(count for (name, _), count in counter.items() if name == truth)
+
+    def recall(self, method: str, truth: str) -> float | None:
+        """Return the share of a class that a method recognised; None if it saw none of it."""
+        counter = self.counts[method]
+        total = sum(count for (name, _), count in counter.items() if name == truth)
+        return counter[truth, truth] / total if total else None
+
+    def balanced_accuracy(self, method: str) -> float:
+        """Return the mean of the per-class recalls, the paper's score."""
+        recalls = [self.recall(method, truth) for truth in self.classes()]
+        known = [recall for recall in recalls if recall is not None]
+        return sum(known) / len(known)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the scores as plain data."""
+        return {
+            "unlabelled": self.unlabelled,
+            "unusable": self.unusable,
+            "methods": {
+                method: {
+                    "balanced_accuracy": self.balanced_accuracy(method),
+                    "recall": {truth: self.recall(method, truth) for truth in self.classes()},
+                    "confusion": [
+                        {"truth": truth, "predicted": predicted, "count": count}
+                        for (truth, predicted), count in sorted(self.counts[method].items())
+                    ],
+                }
+                for method in self.methods
+            },
+        }

@@ -1,0 +1,77 @@
+"""What every adapter can do, and what several of them need."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from placecue.errors import UnusableObservation
+
+Role = Literal["image", "scan", "pose", "label", "transform"]
+
+
+class Adapter(ABC):
+    """Takes a part of an observation out of decoded messages of one schema.
+
+    Attributes
+    ----------
+    role : {"image", "scan", "pose", "label", "transform"}
+        What :meth:`value` gives: a callable that decodes an image, a LaserScan, a Pose2D, a str
+        (empty: no label), a list of Transform.
+    header_first : bool
+        Whether messages begin with a ROS header, so that the stamp can be read undecoded.
+    """
+
+    role: ClassVar[Role]
+    header_first: ClassVar[bool] = False
+
+    @abstractmethod
+    def stamp(self, message: Any) -> int:
+        """Return the time of measurement, ns; 0 where the message does not say."""
+
+    @abstractmethod
+    def value(self, message: Any, origin: str) -> Any:
+        """Return the part.
+
+        Parameters
+        ----------
+        message : object
+            The decoded message.
+        origin : str
+            Where it comes from, for messages.
+
+        Raises
+        ------
+        UnusableObservation
+            If the message makes no sense.
+        """
+
+    def frame(self, message: Any) -> str:
+        """Return the frame that the message is given in; empty where it does not say."""
+        return ""
+
+
+def increasing(
+    first: float, step: float, ranges: ArrayLike, origin: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return angles and ranges of a sweep in order of increasing angle, each of shape (n,).
+
+    Parameters
+    ----------
+    first, step : float
+        Angle of the first beam and from one to the next, rad; the step may be negative.
+    ranges : array_like, shape (n,)
+        Lengths, m.
+    origin : str
+        Where it comes from, for messages.
+    """
+    lengths = np.asarray(ranges, dtype=np.float64)
+    if len(lengths) > 1 and not (np.isfinite(first) and np.isfinite(step) and step != 0.0):
+        raise UnusableObservation(
+            f"{origin}: {len(lengths)} beams from {first} rad in steps of {step} rad"
+        )
+    angles = first + step * np.arange(len(lengths))
+    return (angles, lengths) if step >= 0 else (angles[::-1].copy(), lengths[::-1].copy())

@@ -1,0 +1,158 @@
+"""Foxglove's own messages in JSON, and placecue's label events."""
+
+from __future__ import annotations
+
+from base64 import b64decode
+from typing import Any, ClassVar
+
+import numpy as np
+
+from placecue.errors import UnusableObservation
+from placecue.logs.adapters.base import Adapter, Role, increasing
+from placecue.logs.geometry import Transform, yaw
+from placecue.logs.images import RawImage
+from placecue.observation import EncodedImage, LaserScan, Pose2D
+
+
+class FoxgloveAdapter(Adapter):
+    """A message with ``timestamp`` and ``frame_id``."""
+
+    def stamp(self, message: Any) -> int:
+        """Return the timestamp, ns."""
+        return nanoseconds(message["timestamp"])
+
+    def frame(self, message: Any) -> str:
+        """Return the frame of reference."""
+        return str(message["frame_id"])
+
+
+def nanoseconds(time: Any) -> int:
+    """Return a Foxglove time in ns."""
+    return int(time["sec"]) * 1_000_000_000 + int(time["nsec"])
+
+
+class FoxgloveCompressedImage(FoxgloveAdapter):
+    """foxglove.CompressedImage."""
+
+    role: ClassVar[Role] = "image"
+
+    def value(self, message: Any, origin: str) -> EncodedImage:
+        """Return the image, undecoded."""
+        return EncodedImage(b64decode(message["data"]), message["format"], origin)
+
+
+class FoxgloveRawImage(FoxgloveAdapter):
+    """foxglove.RawImage."""
+
+    role: ClassVar[Role] = "image"
+
+    def value(self, message: Any, origin: str) -> RawImage:
+        """Return the image, unconverted."""
+        size = (message["height"], message["width"], message["step"])
+        return RawImage(b64decode(message["data"]), *size, message["encoding"], origin)
+
+
+class FoxgloveLaserScan(FoxgloveAdapter):
+    """foxglove.LaserScan.
+
+    The schema has no limits of range; where the message has ``range_min`` and ``range_max`` all
+    the same (placecue writes them) they are taken, else the maximum is NaN and the reader fills
+    it in. Lengths that JSON cannot hold are null or the words NaN, Infinity, -Infinity.
+    """
+
+    role: ClassVar[Role] = "scan"
+
+    def value(self, message: Any, origin: str) -> LaserScan:
+        """Return the scan in its own frame, with its angles increasing."""
+        lengths = message["ranges"]
+        steps = max(len(lengths) - 1, 1)
+        first = float(message["start_angle"])
+        angles, ranges = increasing(
+            first,
+            (float(message["end_angle"]) - first) / steps,
+            np.array([np.nan if each is None else float(each) for each in lengths]),
+            origin,
+        )
+        return LaserScan(
+            angles,
+            ranges,
+            float(message.get("range_min", 0.0)),
+            float(message.get("range_max", "nan")),
+            _planar(message["pose"], self.frame(message)),
+        )
+
+
+class FoxglovePoseInFrame(FoxgloveAdapter):
+    """foxglove.PoseInFrame."""
+
+    role: ClassVar[Role] = "pose"
+
+    def value(self, message: Any, origin: str) -> Pose2D:
+        """Return the pose in the plane."""
+        return _planar(message["pose"], self.frame(message))
+
+
+class FoxgloveFrameTransform(FoxgloveAdapter):
+    """foxglove.FrameTransform."""
+
+    role: ClassVar[Role] = "transform"
+
+    def value(self, message: Any, origin: str) -> list[Transform]:
+        """Return the one transform."""
+        return [_transform(message)]
+
+
+class FoxgloveFrameTransforms(Adapter):
+    """foxglove.FrameTransforms."""
+
+    role: ClassVar[Role] = "transform"
+
+    def stamp(self, message: Any) -> int:
+        """Return the timestamp of the first transform, ns."""
+        first = message["transforms"][:1]
+        return nanoseconds(first[0]["timestamp"]) if first else 0
+
+    def value(self, message: Any, origin: str) -> list[Transform]:
+        """Return the transforms."""
+        return [_transform(each) for each in message["transforms"]]
+
+
+class PlacecueLabel(Adapter):
+    """placecue.Label: ``{"stamp": ns, "label": "office"}``, which holds until the next one."""
+
+    role: ClassVar[Role] = "label"
+
+    def stamp(self, message: Any) -> int:
+        """Return the stamp, ns."""
+        return int(message["stamp"])
+
+    def value(self, message: Any, origin: str) -> str:
+        """Return the label; empty where a label ends."""
+        label = message["label"]
+        if not isinstance(label, str):
+            raise UnusableObservation(f"{origin}: the label is {label!r}, not a text")
+        return label.strip()
+
+
+def _planar(pose: Any, frame: str) -> Pose2D:
+    return Pose2D(
+        float(pose["position"]["x"]),
+        float(pose["position"]["y"]),
+        yaw(*_xyzw(pose["orientation"])),
+        frame,
+    )
+
+
+def _transform(message: Any) -> Transform:
+    translation = message["translation"]
+    return Transform(
+        parent=message["parent_frame_id"],
+        child=message["child_frame_id"],
+        translation=(translation["x"], translation["y"], translation["z"]),
+        rotation=_xyzw(message["rotation"]),
+        stamp=nanoseconds(message["timestamp"]),
+    )
+
+
+def _xyzw(rotation: Any) -> tuple[float, float, float, float]:
+    return rotation["x"], rotation["y"], rotation["z"], rotation["w"]

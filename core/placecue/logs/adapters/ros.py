@@ -1,0 +1,154 @@
+"""ROS messages. The same classes serve every version of ROS, whose fields have the same names."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from placecue.logs.adapters.base import Adapter, Role, increasing
+from placecue.logs.geometry import Transform, yaw
+from placecue.logs.images import RawImage
+from placecue.observation import EncodedImage, LaserScan, Pose2D
+
+
+def stamp_of(header: Any) -> int:
+    """Return the stamp of a header, ns."""
+    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
+
+
+def frame_of(header: Any) -> str:
+    """Return the frame of a header, without the leading slash of old systems."""
+    return str(header.frame_id).lstrip("/")
+
+
+class RosAdapter(Adapter):
+    """A message that begins with a header."""
+
+    header_first = True
+
+    def stamp(self, message: Any) -> int:
+        """Return the header's stamp, ns."""
+        return stamp_of(message.header)
+
+    def frame(self, message: Any) -> str:
+        """Return the header's frame."""
+        return frame_of(message.header)
+
+
+class RosCompressedImage(RosAdapter):
+    """sensor_msgs/CompressedImage."""
+
+    role: ClassVar[Role] = "image"
+
+    def value(self, message: Any, origin: str) -> EncodedImage:
+        """Return the image, undecoded."""
+        kind = "png" if "png" in message.format.lower() else "jpeg"
+        return EncodedImage(bytes(message.data), kind, origin)
+
+
+class RosImage(RosAdapter):
+    """sensor_msgs/Image."""
+
+    role: ClassVar[Role] = "image"
+
+    def value(self, message: Any, origin: str) -> RawImage:
+        """Return the image, unconverted."""
+        return RawImage(
+            bytes(message.data),
+            message.height,
+            message.width,
+            message.step,
+            message.encoding,
+            origin,
+        )
+
+
+class RosLaserScan(RosAdapter):
+    """sensor_msgs/LaserScan. Ranges are float32 in the message."""
+
+    role: ClassVar[Role] = "scan"
+
+    def value(self, message: Any, origin: str) -> LaserScan:
+        """Return the scan in its own frame, with its angles increasing."""
+        angles, ranges = increasing(
+            message.angle_min, message.angle_increment, message.ranges, origin
+        )
+        return LaserScan(
+            angles,
+            ranges,
+            message.range_min,
+            message.range_max,
+            Pose2D(0.0, 0.0, 0.0, self.frame(message)),
+        )
+
+
+class RosOdometry(RosAdapter):
+    """nav_msgs/Odometry."""
+
+    role: ClassVar[Role] = "pose"
+
+    def value(self, message: Any, origin: str) -> Pose2D:
+        """Return the pose in the plane."""
+        return _planar(message.pose.pose, self.frame(message))
+
+
+class RosPoseStamped(RosAdapter):
+    """geometry_msgs/PoseStamped."""
+
+    role: ClassVar[Role] = "pose"
+
+    def value(self, message: Any, origin: str) -> Pose2D:
+        """Return the pose in the plane."""
+        return _planar(message.pose, self.frame(message))
+
+
+class RosPoseWithCovarianceStamped(RosOdometry):
+    """geometry_msgs/PoseWithCovarianceStamped, such as the pose that amcl publishes."""
+
+
+class RosTransforms(Adapter):
+    """tf2_msgs/TFMessage."""
+
+    role: ClassVar[Role] = "transform"
+
+    def stamp(self, message: Any) -> int:
+        """Return the stamp of the first transform, ns."""
+        return stamp_of(message.transforms[0].header) if message.transforms else 0
+
+    def value(self, message: Any, origin: str) -> list[Transform]:
+        """Return the transforms."""
+        return [
+            Transform(
+                parent=frame_of(each.header),
+                child=str(each.child_frame_id).lstrip("/"),
+                translation=_xyz(each.transform.translation),
+                rotation=_xyzw(each.transform.rotation),
+                stamp=stamp_of(each.header),
+            )
+            for each in message.transforms
+        ]
+
+
+class RosString(Adapter):
+    """std_msgs/String, taken as the label from its log time on."""
+
+    role: ClassVar[Role] = "label"
+
+    def stamp(self, message: Any) -> int:
+        """Return 0: the message has no stamp."""
+        return 0
+
+    def value(self, message: Any, origin: str) -> str:
+        """Return the label; empty where a label ends."""
+        return str(message.data).strip()
+
+
+def _planar(pose: Any, frame: str) -> Pose2D:
+    return Pose2D(pose.position.x, pose.position.y, yaw(*_xyzw(pose.orientation)), frame)
+
+
+def _xyz(vector: Any) -> tuple[float, float, float]:
+    return vector.x, vector.y, vector.z
+
+
+def _xyzw(rotation: Any) -> tuple[float, float, float, float]:
+    return rotation.x, rotation.y, rotation.z, rotation.w

@@ -1,0 +1,165 @@
+"""SVM agrees with scikit-learn's own on the same kernel; four classes or more throughout."""
+
+import numpy as np
+import pytest
+from sklearn.base import clone
+from sklearn.datasets import make_blobs
+from sklearn.metrics import balanced_accuracy_score
+from sklearn.model_selection import GridSearchCV
+from sklearn.multiclass import OneVsRestClassifier
+from sklearn.svm import SVC
+
+from placecue import DataError, OneAgainstAll, OneAgainstOne, UsageError
+from placecue_classifiers.machines import one_against_all, one_against_one
+from placecue_classifiers.svm import SVM
+from placecue_kernels.linear import Linear
+from placecue_kernels.rbf import RBF
+
+NAMES = np.array(["corridor", "kitchen", "lab", "office", "printer"])
+
+
+@pytest.fixture(scope="module")
+def blobs() -> tuple[np.ndarray, np.ndarray]:
+    features, codes = make_blobs(
+        n_samples=[60, 30, 20, 40, 25], n_features=6, cluster_std=5.0, random_state=3
+    )
+    return features, codes
+
+
+def test_one_against_all_equals_scikit_learn(blobs: tuple[np.ndarray, np.ndarray]) -> None:
+    features, codes = blobs
+    svm = SVM(kernel=RBF(gamma=0.02), C=10.0, multiclass="oaa").fit(features, NAMES[codes])
+    peer = OneVsRestClassifier(SVC(gamma=0.02, C=10.0, class_weight="balanced"))
+    expected = peer.fit(features, codes).decision_function(features)
+    assert svm.scores(features).values == pytest.approx(expected, abs=1e-9)
+    assert (svm.predict(features) == NAMES[peer.predict(features)]).all()
+    assert isinstance(svm.layout_, OneAgainstAll)
+
+
+def test_one_against_one_equals_scikit_learn(blobs: tuple[np.ndarray, np.ndarray]) -> None:
+    features, codes = blobs
+    svm = SVM(kernel=RBF(gamma=0.02), C=10.0, multiclass="oao").fit(features, NAMES[codes])
+    peer = SVC(gamma=0.02, C=10.0, class_weight="balanced", decision_function_shape="ovo")
+    expected = peer.fit(features, codes).decision_function(features)
+    # LIBSVM stops each machine at a tolerance of 1e-3.
+    assert svm.scores(features).values == pytest.approx(expected, abs=5e-3)
+    assert isinstance(svm.layout_, OneAgainstOne)
+    assert svm.scores(features).values.shape[1] == 10
+
+
+def test_modified_one_against_all_has_the_training_means(
+    blobs: tuple[np.ndarray, np.ndarray],
+) -> None:
+    features, codes = blobs
+    svm = SVM(kernel=RBF(gamma=0.02), multiclass="modified_oaa").fit(features, NAMES[codes])
+    outputs = svm.scores(features).values
+    expected = [outputs[codes == code, code].mean() for code in range(5)]
+    assert svm.layout_.class_means == pytest.approx(expected)
+
+
+def test_only_support_vectors_are_kept(blobs: tuple[np.ndarray, np.ndarray]) -> None:
+    features, codes = blobs
+    gram = RBF(gamma=0.02).gram(features)
+    for train in (one_against_all, one_against_one):
+        machines = train(gram, codes, 10.0, True)
+        used = np.any(machines.coefficients != 0, axis=1)
+        assert used.sum() < len(features)
+        kept = machines.coefficients[used]
+        assert gram[:, used] @ kept + machines.intercepts == pytest.approx(machines.decide(gram))
+
+
+def test_search_finds_what_an_exhaustive_loop_finds(
+    blobs: tuple[np.ndarray, np.ndarray],
+) -> None:
+    features, codes = blobs
+    labels, stamps = NAMES[codes], np.arange(len(codes)) * 10**9
+    costs, gammas = [0.1, 1.0, 10.0], [0.001, 0.01, 0.1]
+    svm = SVM(kernel=RBF(), search={"C": costs, "gamma": gammas}).fit(features, labels, stamps)
+    splits = list(svm._folds().split(labels, stamps))
+    best = {}
+    for gamma in gammas:
+        for cost in costs:
+            peer = OneVsRestClassifier(SVC(gamma=gamma, C=cost, class_weight="balanced"))
+            truth, predicted = [], []
+            for training, held_out in splits:
+                peer.fit(features[training], codes[training])
+                predicted += peer.predict(features[held_out]).tolist()
+                truth += codes[held_out].tolist()
+            best[cost, gamma] = balanced_accuracy_score(truth, predicted)
+    found = zip(svm.search_["C"], svm.search_["gamma"], strict=True)
+    for point, accuracy in zip(found, svm.search_["balanced_accuracy"], strict=True):
+        assert accuracy == pytest.approx(best[point], abs=0.01)
+    assert best[svm.C_, svm.kernel_.gamma] == pytest.approx(max(best.values()), abs=0.01)
+
+
+def test_the_gram_matrix_of_a_gamma_is_computed_once(
+    blobs: tuple[np.ndarray, np.ndarray],
+) -> None:
+    calls = []
+
+    class Counted(RBF):
+        def distances(self, a, b=None):  # type: ignore[no-untyped-def]
+            calls.append(1)
+            return super().distances(a, b)
+
+    features, codes = blobs
+    SVM(kernel=Counted(), search={"C": [1, 10], "gamma": [0.01, 0.1]}).fit(features, NAMES[codes])
+    assert len(calls) == 1
+
+
+def test_chosen_fixes_what_the_search_found(blobs: tuple[np.ndarray, np.ndarray]) -> None:
+    features, codes = blobs
+    svm = SVM(kernel=RBF(), search={"C": [3.0], "gamma": [0.05]}).fit(features, NAMES[codes])
+    chosen = svm.chosen()
+    assert (chosen.search, chosen.C, chosen.kernel.gamma) == (None, 3.0, 0.05)
+    assert not hasattr(chosen, "layout_")
+
+
+def test_scikit_learn_contract(blobs: tuple[np.ndarray, np.ndarray]) -> None:
+    features, codes = blobs
+    svm = SVM(kernel=RBF(gamma=0.02))
+    assert clone(svm).get_params()["kernel__gamma"] == 0.02
+    assert svm.set_params(kernel__gamma=0.5, C=3.0).kernel.gamma == 0.5
+    grid = {"C": [1.0, 10.0], "kernel__gamma": [0.01, 0.1]}
+    search = GridSearchCV(SVM(kernel=RBF()), grid, cv=3).fit(features, NAMES[codes])
+    assert set(search.best_params_) == {"C", "kernel__gamma"}
+    assert search.best_score_ > 0.5
+
+
+@pytest.mark.parametrize("scaling", ["range", "standard", "quantiles"])
+def test_scaling_is_learned_in_training(blobs: tuple[np.ndarray, np.ndarray], scaling: str) -> None:
+    features, codes = blobs
+    svm = SVM(kernel=RBF(gamma=0.2), scaling=scaling).fit(features, NAMES[codes])
+    single = svm.scores(features[:1]).values
+    assert single == pytest.approx(svm.scores(features).values[:1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"multiclass": "oa"}, "did you mean 'oa[ao]'"),
+        ({"class_weight": "equal"}, "class_weight"),
+        ({"kernel": None}, "needs a kernel"),
+        ({"C": 0.0}, "C must be above 0"),
+        ({"scaling": "rang"}, "did you mean 'range'"),
+        ({"search": {"c": [1]}}, "cannot vary 'c'"),
+        ({"search": {"C": []}}, "values above 0"),
+        ({"kernel": Linear(), "search": {"gamma": [1]}}, "has no gamma"),
+    ],
+)
+def test_wrong_parameters_are_named(
+    blobs: tuple[np.ndarray, np.ndarray], parameters: dict, message: str
+) -> None:
+    features, codes = blobs
+    with pytest.raises(UsageError, match=message):
+        SVM(**{"kernel": RBF(), **parameters}).fit(features, NAMES[codes])
+
+
+def test_wrong_data_are_named(blobs: tuple[np.ndarray, np.ndarray]) -> None:
+    features, codes = blobs
+    with pytest.raises(DataError, match="all 175 training samples are 'lab'"):
+        SVM(kernel=RBF()).fit(features, np.repeat("lab", 175))
+    spoilt = features.copy()
+    spoilt[7, 2] = np.nan
+    with pytest.raises(DataError, match="1 of 175 samples hold NaN .* number 7"):
+        SVM(kernel=RBF()).fit(spoilt, NAMES[codes])

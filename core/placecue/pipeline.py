@@ -21,7 +21,7 @@ from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import Evidence, ObservedEvidence, OutOfFold, StoredEvidence, scored_rows
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.integrator import Integrator, OnlyCue
-from placecue.observation import Observation
+from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.samples import Samples, collect
 from placecue.skipped import Skipped
@@ -218,6 +218,12 @@ class Pipeline:
                 for name, (cue, classifier) in self.cues.items()
             }
         )
+
+    @property
+    def requires(self) -> tuple[Part, ...]:
+        """The parts of an observation that the cues need."""
+        needed = {part for cue, _ in self.cues.values() for part in cue.requires}
+        return tuple(part for part in PARTS if part in needed)
 
     @property
     def classes(self) -> tuple[str, ...]:

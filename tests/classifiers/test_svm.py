@@ -161,5 +161,5 @@ def test_wrong_data_are_named(blobs: tuple[np.ndarray, np.ndarray]) -> None:
         SVM(kernel=RBF()).fit(features, np.repeat("lab", 175))
     spoilt = features.copy()
     spoilt[7, 2] = np.nan
-    with pytest.raises(DataError, match="1 of 175 samples hold NaN .* number 7"):
+    with pytest.raises(DataError, match=r"1 of 175 samples hold NaN .* number 7"):
         SVM(kernel=RBF()).fit(spoilt, NAMES[codes])

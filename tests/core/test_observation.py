@@ -50,7 +50,7 @@ def test_invalid_beams_become_the_maximum_range() -> None:
 
 @pytest.mark.parametrize("ranges", [[], [np.nan, np.nan], [0.0, np.inf]])
 def test_a_scan_without_a_valid_beam_is_unusable(ranges: list[float]) -> None:
-    with pytest.raises(UnusableObservation, match="0 beams|valid"):
+    with pytest.raises(UnusableObservation, match=r"0 beams|valid"):
         scan_of(ranges).filled()
 
 

@@ -14,7 +14,7 @@ from placecue.evaluation.tally import Tally
 from placecue.labelling import run_log
 from placecue.listening import PluginListeners
 from placecue.logs.annotated import AnnotatedLog
-from placecue.storage.atomic import write_json
+from placecue.storage.atomic import made, write_json
 from placecue.storage.belief_table import belief_table
 from placecue.storage.model import load_model
 
@@ -25,9 +25,10 @@ def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
     out, plugins = Path(config["out"]), current_plugins()
     pipeline = load_model(Path(config["model"]), plugins.registry)
-    log = open_source(config, plugins)
+    log = open_source(config, plugins, parts=(*pipeline.requires, "pose", "label"))
     table, annotated, metrics = out / "beliefs.csv", out / "beliefs.mcap", out / "metrics.json"
     tally = Tally()
+    made(out)
     with ExitStack() as stack, progress.shown():
         listeners = [
             tally,

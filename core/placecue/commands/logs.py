@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from placecue.config import build
 from placecue.discovery.manager import Plugins
 from placecue.errors import UsageError
+from placecue.observation import PARTS, Part
 from placecue.source import Chain, Source
 
 
-def open_source(config: Mapping[str, Any], plugins: Plugins, log: str = "log") -> Source:
+def open_source(
+    config: Mapping[str, Any],
+    plugins: Plugins,
+    log: str = "log",
+    parts: Sequence[Part] | None = None,
+) -> Source:
     """Open the source of a command.
 
     A list of logs is read one after the other.
@@ -24,6 +30,9 @@ def open_source(config: Mapping[str, Any], plugins: Plugins, log: str = "log") -
         Builds the source, and is told of each log opened.
     log : str
         The key whose logs to read in place of the source's own.
+    parts : sequence of str, optional
+        The parts of an observation that the command can use; a source that lets one choose reads
+        no others, and does not ask which of several topics to take for them.
 
     Raises
     ------
@@ -37,6 +46,8 @@ def open_source(config: Mapping[str, Any], plugins: Plugins, log: str = "log") -
         raise UsageError(
             f"nothing to read: give {log}=FILE, {log}=[FILE,FILE], or source=NAME source.path=FILE"
         )
+    if parts is not None and "parts" in spec and spec["parts"] is None:
+        spec["parts"] = [part for part in PARTS if part in parts]
     paths = spec.get("path")
     specs = [{**spec, "path": path} for path in paths] if isinstance(paths, list) else [spec]
     sources: list[Source] = [build(each, "source", plugins.registry) for each in specs]
@@ -45,6 +56,6 @@ def open_source(config: Mapping[str, Any], plugins: Plugins, log: str = "log") -
     return sources[0] if len(sources) == 1 else Chain(sources)
 
 
-def parts(source: Source) -> tuple[Source, ...]:
+def single_logs(source: Source) -> tuple[Source, ...]:
     """Return the single logs of a source."""
     return source.sources if isinstance(source, Chain) else (source,)

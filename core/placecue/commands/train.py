@@ -7,7 +7,7 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands import show
-from placecue.commands.logs import open_source, parts
+from placecue.commands.logs import open_source, single_logs
 from placecue.composition import build_pipeline
 from placecue.discovery.manager import current_plugins
 from placecue.pipeline import Pipeline
@@ -31,12 +31,13 @@ def train(config: dict[str, Any], out: Path) -> Pipeline:
     """Train the pipeline that a config describes and save it into ``out``."""
     plugins = current_plugins()
     pipeline = build_pipeline(config, plugins.registry)
-    log = open_source(config, plugins)
-    logs = parts(log)
+    parts = (*pipeline.requires, "label")
+    log = open_source(config, plugins, parts=parts)
+    logs = single_logs(log)
     integration = None
     if config.get("integration_log"):
-        integration = open_source(config, plugins, "integration_log")
-        logs += parts(integration)
+        integration = open_source(config, plugins, "integration_log", parts)
+        logs += single_logs(integration)
     made(out)
     with progress.shown():
         pipeline.fit(log, integration)

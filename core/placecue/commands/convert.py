@@ -1,0 +1,33 @@
+"""``placecue convert``: any source -> MCAP."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from placecue import progress
+from placecue.commands.logs import open_source
+from placecue.discovery.manager import current_plugins
+from placecue.logs.convert import copy
+from placecue.logs.writer import McapWriter
+from placecue.storage.atomic import made
+
+OUT_IS_FOLDER = False
+
+
+def run(config: dict[str, Any]) -> None:
+    """Write the observations of a source as MCAP."""
+    out = Path(config["out"])
+    name, count = convert(config, out)
+    print(f"{count} observations of {name} in {out}")
+    print(f"next: placecue info log={out}")
+    current_plugins().tell("run_finished", command="convert", out=out)
+
+
+def convert(config: dict[str, Any], out: Path) -> tuple[str, int]:
+    """Write the source that a config describes; return its name and how many observations."""
+    source = open_source(config, current_plugins())
+    made(out.parent)
+    writer = McapWriter(out, encoding=config["encoding"], metadata=source.metadata)
+    with progress.shown(), writer:
+        return source.name, copy(source, writer)

@@ -1,0 +1,50 @@
+"""``placecue demo``: makes two logs, trains on one, classifies and labels the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from placecue.commands import convert, label, show, train
+from placecue.discovery.manager import current_plugins
+from placecue.errors import PlacecueError
+from placecue.evaluation.tally import Tally
+from placecue.semantic_map import UNKNOWN
+
+OUT_IS_FOLDER = True
+
+
+def run(config: dict[str, Any]) -> None:
+    """Go from nothing to a semantic map and say where everything is."""
+    started, out = perf_counter(), Path(config["out"])
+    logs = [out / "run1.mcap", out / "run2.mcap"]
+    for number, log in enumerate(logs, 1):
+        print(f"recording {log} in a simulated office ...")
+        convert.convert({**config, "source": {**config["source"], "run": number}}, log)
+
+    print(f"training {' + '.join(config['cues'])} on {logs[0].name} ...")
+    pipeline = train.train({**config, "source": _reading(logs[0])}, out / "model")
+    show.chosen_parameters(pipeline)
+
+    print(f"\nclassifying and labelling {logs[1].name}, which the model has not seen ...")
+    tally, labelled = Tally(), {**config, "model": out / "model", "source": _reading(logs[1])}
+    semantic_map = label.label(labelled, out, tally)
+    if not tally.counts:
+        raise PlacecueError(f"{logs[1]} gave no belief on a labelled observation: nothing to score")
+    show.scores(tally)
+
+    named = [area for area in semantic_map.areas if area.label != UNKNOWN]
+    print(f"\n{len(semantic_map.areas)} areas, {len(named)} of them labelled")
+    show.written([("logs", out / "run*.mcap"), ("model", out / "model"), *label.results(out)])
+    print(
+        f"\ndone in {perf_counter() - started:.0f} s. next:\n"
+        f"  placecue info log={logs[1]}\n"
+        f"  placecue train log={logs[0]} cue=laser integrator=none out={out / 'laser'}\n"
+        f"  placecue classify model={out / 'laser'} log={logs[1]} out={out / 'by_laser'}"
+    )
+    current_plugins().tell("run_finished", command="demo", out=out)
+
+
+def _reading(log: Path) -> dict[str, Any]:
+    return {"plugin": "mcap", "path": str(log)}

@@ -1,0 +1,165 @@
+"""The path of an observation, and training on scores that nobody has seen."""
+
+import gc
+import logging
+
+import numpy as np
+import pytest
+
+from placecue import (
+    DataError,
+    InterleavedChunks,
+    LaserScan,
+    Observation,
+    ObservedEvidence,
+    Pipeline,
+    UnusableObservation,
+    UsageError,
+)
+from placecue.evidence import OutOfFold
+from placecue.samples import collect
+from placecue_classifiers.svm import SVM
+from placecue_kernels.rbf import RBF
+from toys import PLACES, SECOND, Beams, Brightness, Walk, pipeline
+
+
+@pytest.fixture(scope="module")
+def fitted() -> Pipeline:
+    return pipeline().fit(Walk())
+
+
+def test_it_recognises_the_places_of_another_walk(fitted: Pipeline) -> None:
+    walk = list(Walk(seed=1))
+    beliefs = list(fitted.beliefs(walk))
+    right = [b.label == o.label for o, b in zip(walk, beliefs, strict=True)]
+    assert np.mean(right) > 0.9
+    assert fitted.classes == PLACES
+    assert beliefs[0].cues_used == ("beams", "brightness")
+    assert beliefs[0].stamp == walk[0].stamp
+
+
+def test_beliefs_do_not_depend_on_the_batch(fitted: Pipeline) -> None:
+    walk = list(Walk(rounds=1, seed=1))
+    for one, many in zip(fitted.beliefs(walk), fitted.beliefs(walk, batch=7), strict=True):
+        assert one.label == many.label
+        assert one.scores.values == pytest.approx(many.scores.values, abs=1e-9)
+
+
+def test_evidence_extracts_only_what_is_asked_for(fitted: Pipeline) -> None:
+    walk = [Walk().at(number) for number in range(5)]
+    evidence = ObservedEvidence(walk, fitted.cues)
+    assert evidence.layout("brightness").classes == PLACES
+    evidence.scores("beams", np.array([1, 3]))
+    assert [evidence.used(row) for row in range(4)] == [(), ("beams",), (), ("beams",)]
+    assert all(observation._decoded is None for observation in walk)
+    evidence.scores("brightness", [2])
+    assert evidence.used(2) == ("brightness",)
+    with pytest.raises(UsageError, match="did you mean 'beams'"):
+        evidence.scores("beam")
+
+
+def test_out_of_fold_scores_come_from_models_that_have_not_seen_the_sample() -> None:
+    seen: list[set[int]] = []
+
+    class Watched(Brightness):
+        def fit(self, observations, labels=None):  # type: ignore[no-untyped-def]
+            kept = list(observations)
+            seen.append({observation.stamp for observation in kept})
+            return super().fit(kept, labels)
+
+    samples = collect(Walk(), {"brightness": Watched()})
+    labels, stamps = samples.labels, samples.stamps
+    classifier = SVM(kernel=RBF(gamma=0.001)).fit(
+        samples.features_learned_from("brightness", Watched(), np.arange(len(samples))),
+        labels,
+        stamps,
+    )
+    folds = InterleavedChunks()
+    seen.clear()
+    scores = OutOfFold(folds).scores(
+        classifier,
+        lambda rows: samples.features_learned_from("brightness", Watched(), rows),
+        labels,
+        stamps,
+    )
+    assert len(scores) == len(samples)
+    for (_, held_out), stamps_seen in zip(folds.split(labels, stamps), seen, strict=True):
+        assert not stamps_seen & set(stamps[held_out].tolist())
+
+
+def test_the_integrator_may_be_fitted_on_another_sequence() -> None:
+    two = pipeline().fit(Walk(), integration=Walk(seed=2))
+    out_of_fold = pipeline().fit(Walk())
+    beliefs = [list(each.beliefs(Walk(seed=1))) for each in (two, out_of_fold)]
+    assert (
+        np.mean([b.label == o.label for o, b in zip(Walk(seed=1), beliefs[0], strict=True)]) > 0.9
+    )
+    different = [a.scores.values != b.scores.values for a, b in zip(*beliefs, strict=True)]
+    assert np.any(different)
+
+
+def test_one_cue_needs_no_integrator() -> None:
+    single = Pipeline({"beams": (Beams(), SVM(kernel=RBF(gamma=0.1)))}).fit(Walk())
+    assert {belief.cues_used for belief in single.beliefs(Walk(rounds=1))} == {("beams",)}
+
+
+def test_several_cues_need_an_integrator() -> None:
+    cues = pipeline().cues
+    with pytest.raises(UsageError, match=r"2 cues .* and no integrator"):
+        Pipeline(cues)
+    with pytest.raises(UsageError, match="a cue or more"):
+        Pipeline({})
+
+
+def test_unusable_observations_are_passed_over_and_reported_once(
+    fitted: Pipeline, caplog: pytest.LogCaptureFixture
+) -> None:
+    walk = list(Walk(rounds=1, seed=1))
+    nothing = LaserScan(np.zeros(6), np.full(6, np.nan), 0.0, 20.0)
+    walk[3] = Observation(walk[3].stamp, image=walk[3].image, scan=nothing, label="lab")
+    walk[9] = Observation(walk[9].stamp, scan=walk[9].scan, label="lab")
+    with caplog.at_level(logging.WARNING):
+        pairs = list(fitted.follow(walk, batch=8))
+    assert [number for number, (_, belief) in enumerate(pairs) if belief is None] == [3, 9]
+    [record] = caplog.records
+    assert "2 of 80 observations passed over" in record.message
+    assert "none of the 6 beams" in record.message
+    caplog.clear()
+    pipeline().fit([*walk, *Walk()])
+    assert "2 of 400 observations passed over" in caplog.text
+
+
+def test_nothing_usable_is_an_error(fitted: Pipeline) -> None:
+    walk = [Observation(n * SECOND, label=PLACES[n % 4]) for n in range(20)]
+    with pytest.raises(DataError, match="no usable observation: 20 of 20"):
+        list(fitted.beliefs(walk))
+    with pytest.raises(DataError, match="no usable observation"):
+        pipeline().fit(walk)
+    with pytest.raises(DataError, match="holds no observation"):
+        list(fitted.beliefs([]))
+    with pytest.raises(UnusableObservation, match="no image"):
+        fitted.believe([Observation(0, scan=Walk().at(0).scan)])
+
+
+def test_training_needs_labels_of_two_classes_with_two_samples_each() -> None:
+    with pytest.raises(DataError, match="none of the 320 observations has a label"):
+        pipeline().fit([each.relabelled(None) for each in Walk()])
+    with pytest.raises(DataError, match="all 320 labelled observations are 'hall'"):
+        pipeline().fit([each.relabelled("hall") for each in Walk()])
+    odd = [*Walk(), Walk().at(0).relabelled("attic")]
+    with pytest.raises(DataError, match="class 'attic' has one sample only"):
+        pipeline().fit(odd)
+
+
+def test_a_cue_that_learns_cannot_read_a_generator() -> None:
+    with pytest.raises(UsageError, match="brightness learns"):
+        pipeline().fit(iter(Walk()))
+
+
+def test_no_more_than_a_batch_is_held(fitted: Pipeline) -> None:
+    def held() -> int:
+        return sum(isinstance(each, Observation) for each in gc.get_objects())
+
+    before = held()
+    most = max(held() for _ in fitted.beliefs(Walk(rounds=2, stay=5), batch=4))
+    assert most - before <= 4 + 1

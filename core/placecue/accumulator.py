@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 from sklearn.base import BaseEstimator
 
@@ -35,7 +36,15 @@ class AreaUpdate:
 
 
 class Boundary(BaseEstimator, ABC):  # type: ignore[misc]
-    """Says where one area ends, one observation at a time."""
+    """Says where one area ends, one observation at a time.
+
+    Attributes
+    ----------
+    gateway : bool
+        Whether what is crossed is a place of its own, such as a door, and becomes a node.
+    """
+
+    gateway: ClassVar[bool] = True
 
     @abstractmethod
     def update(self, observation: Observation) -> Pose2D | None:

@@ -1,11 +1,11 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from placecue_accumulators.graph import NavigationGraph, Neighbourhood, Step
-from placecue_accumulators.node import NodeLeft
 from scipy.spatial import cKDTree
 
 from placecue import Observation, Pose2D
+from placecue_accumulators.graph import NavigationGraph, Neighbourhood, Step
+from placecue_accumulators.node import NodeLeft
 
 
 def test_a_node_is_made_where_the_robot_is_farther_than_the_spacing_from_all():

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
 
 from placecue.scores import OneAgainstAll, OneAgainstOne
+from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
 
 CLASSES = ("corridor", "kitchen", "office", "printer")
 SIZES = (0.2, 0.2, 0.1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar
 
 from placecue.observation import Observation
 
@@ -20,8 +21,11 @@ class Source(ABC):
         What to call it in messages, usually the file name.
     metadata : mapping of str to str
         Conditions of the recording (illumination, run, laboratory), as far as known.
+    reads_many : bool
+        Whether the parameter ``path`` may be a list; elsewhere each file is a source of its own.
     """
 
+    reads_many: ClassVar[bool] = False
     name: str = "source"
     metadata: Mapping[str, str] = {}
 

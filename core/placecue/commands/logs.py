@@ -49,11 +49,18 @@ def open_source(
     if parts is not None and "parts" in spec and spec["parts"] is None:
         spec["parts"] = [part for part in PARTS if part in parts]
     paths = spec.get("path")
-    specs = [{**spec, "path": path} for path in paths] if isinstance(paths, list) else [spec]
+    specs = [spec]
+    if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
+        specs = [{**spec, "path": path} for path in paths]
     sources: list[Source] = [build(each, "source", plugins.registry) for each in specs]
     for source in sources:
         plugins.tell("log_opened", source=source)
     return sources[0] if len(sources) == 1 else Chain(sources)
+
+
+def _kind(spec: Mapping[str, Any], plugins: Plugins) -> type[Source]:
+    kind: type[Source] = plugins.registry.load("source", spec["plugin"])
+    return kind
 
 
 def single_logs(source: Source) -> tuple[Source, ...]:

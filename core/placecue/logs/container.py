@@ -177,8 +177,8 @@ class LogFile:
         if damaged and not self._told_of_chunks:
             self._told_of_chunks = True
             log.warning(
-                f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged and "
-                f"left out, the first at byte {damaged[0].offset} ({damaged[0].reason})"
+                f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged "
+                f"and left out, the first at byte {damaged[0].offset} ({damaged[0].reason})"
             )
 
     def _tell_cut(self, damage: Damage) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Callable
+from contextlib import redirect_stderr
+from io import StringIO
 from typing import Any
 
 from mcap.decoder import DecoderFactory
@@ -46,17 +48,18 @@ def decoder_for(channel: Channel, schema: Schema | None) -> Decode:
         If the encoding is not known or the schema does not parse.
     """
     try:
-        for factory in FACTORIES:
-            decode = factory().decoder_for(channel.message_encoding, schema)
-            if decode is not None:
-                return decode
+        with redirect_stderr(StringIO()):  # the parser of ROS definitions prints before it raises
+            for factory in FACTORIES:
+                decode = factory().decoder_for(channel.message_encoding, schema)
+                if decode is not None:
+                    return decode
     except Exception as error:  # schema parsers raise anything over a broken definition
         raise DataError(
             f"the schema '{schema.name if schema else ''}' of {channel.topic} does not parse: "
             f"{error}"
         ) from error
     raise DataError(
-        f"{channel.topic} cannot be decoded: messages are {channel.message_encoding or 'raw'} with "
-        f"a schema in {(schema.encoding if schema else '') or 'no language'}; readable are cdr with "
-        "ros2msg, and json"
+        f"{channel.topic} cannot be decoded: messages are {channel.message_encoding or 'raw'} "
+        f"with a schema in {(schema.encoding if schema else '') or 'no language'}; readable are "
+        "cdr with ros2msg, and json"
     )

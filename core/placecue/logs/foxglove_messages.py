@@ -11,7 +11,6 @@ from typing import Any
 from placecue.logs.foxglove_schemas import SCHEMAS
 from placecue.logs.geometry import quaternion
 from placecue.logs.messages import (
-    BASE_FRAME,
     CAMERA_FRAME,
     LASER_FRAME,
     Dialect,
@@ -75,7 +74,7 @@ class FoxgloveDialect(Dialect):
             "data": b64encode(data).decode("ascii"),
             "format": format,
         }
-        return _written("/camera/image", "foxglove.CompressedImage", fields)
+        return _written("/camera/image/compressed", "foxglove.CompressedImage", fields)
 
     def scan(self, stamp: int, scan: LaserScan) -> Written:
         """Return a foxglove.LaserScan, with the limits of range as fields of its own."""

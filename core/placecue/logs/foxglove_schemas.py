@@ -85,7 +85,7 @@ ENTITY = structure(
 DELETION = structure("foxglove.SceneEntityDeletion", timestamp=TIME, type=INTEGER, id=TEXT)
 
 SCHEMAS: dict[str, Schema] = {
-    schema["title"]: schema
+    str(schema["title"]): schema
     for schema in (
         structure(
             "foxglove.CompressedImage", timestamp=TIME, frame_id=TEXT, data=BYTES, format=TEXT
@@ -104,9 +104,7 @@ SCHEMAS: dict[str, Schema] = {
         ),
         structure("foxglove.PoseInFrame", timestamp=TIME, frame_id=TEXT, pose=POSE),
         FRAME_TRANSFORM,
-        structure(
-            "foxglove.SceneUpdate", deletions=several(DELETION), entities=several(ENTITY)
-        ),
+        structure("foxglove.SceneUpdate", deletions=several(DELETION), entities=several(ENTITY)),
         structure("placecue.Label", stamp=INTEGER, label=TEXT),
         structure(
             "placecue.Belief",

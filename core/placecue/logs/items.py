@@ -75,6 +75,7 @@ class TopicReader:
             raise DataError(f"{topic.name}: {topic.encoding} {topic.schema} cannot be read")
         self.topic = topic
         self.adapter = adapter
+        self.role: Role = adapter.role
         self.finish = finish
         contents = file.contents
         channels = {number: contents.channels[number] for number in topic.channels}
@@ -102,7 +103,7 @@ class TopicReader:
         except Exception as error:  # decoders raise anything over damaged bytes
             raise self._unusable(message.log_time, error) from error
         stamp = stamp if stamp > 0 else message.log_time
-        return Item(stamp, self.adapter.role, lambda: self._value(message, stamp, decoded))
+        return Item(stamp, self.role, lambda: self._value(message, stamp, decoded))
 
     def decoded(self, message: Message) -> Any:
         """Return a message with its fields.

@@ -7,6 +7,7 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from decimal import Decimal, InvalidOperation
+from itertools import pairwise
 from pathlib import Path
 
 from placecue.errors import DataError
@@ -70,7 +71,7 @@ class Intervals:
     def _checked(cls, found: list[tuple[int, int, str, str]], path: str | Path) -> Intervals:
         if not found:
             raise DataError(f"{path} holds no labels: only its first line is there")
-        for (_, end, _, _), (start, _, _, line) in zip(found, found[1:], strict=False):
+        for (_, end, _, _), (start, _, _, line) in pairwise(found):
             if start < end:
                 raise DataError(f"{line}: the interval overlaps the one before it in time")
         starts, ends, labels, _ = zip(*found, strict=True)

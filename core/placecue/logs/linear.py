@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import IO
 
+from mcap.exceptions import EndOfFile, RecordLengthLimitExceeded
 from mcap.records import Chunk, McapRecord
 from mcap.stream_reader import StreamReader, breakup_chunk
 
@@ -66,7 +67,6 @@ def contents(chunk: Chunk) -> list[McapRecord]:
 
 def describe(error: Exception) -> str:
     """Say in a few words what a parser choked on."""
-    text = " ".join(str(error).split())
-    return text or {"EndOfFile": "the file ends here"}.get(
-        type(error).__name__, type(error).__name__
-    )
+    if isinstance(error, EndOfFile | RecordLengthLimitExceeded):  # no record outgrows the file
+        return "the file ends in the middle of a record"
+    return " ".join(str(error).split()) or type(error).__name__

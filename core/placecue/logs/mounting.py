@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import cos, isnan, radians
 
@@ -12,7 +12,7 @@ from mcap.records import Message
 
 from placecue.errors import DataError, UnusableObservation
 from placecue.logs.container import LogFile, Topic
-from placecue.logs.geometry import Matrix, TransformTree, flatten
+from placecue.logs.geometry import Matrix, Transform, TransformTree, flatten
 from placecue.logs.items import Item, TopicReader
 from placecue.observation import LaserScan, Pose2D
 
@@ -78,7 +78,7 @@ def read_tree(
         Length of the beginning, s.
     """
     tree = TransformTree()
-    readers = {i: TopicReader(file, topic) for topic in topics for i in topic.channels}
+    readers = _readers(file, topics)
     static = [i for i, reader in readers.items() if "static" in reader.topic.name]
     until = file.contents.start + int(horizon * 1e9)
     for channels, end in ((readers, until), (static, None)):
@@ -87,6 +87,18 @@ def read_tree(
             if wanted is not None and tree.lookup(*wanted) is not None:
                 return tree
     return tree
+
+
+def _readers(file: LogFile, topics: Iterable[Topic]) -> dict[int, TopicReader]:
+    found: dict[int, TopicReader] = {}
+    for topic in topics:
+        try:
+            reader = TopicReader(file, topic)
+        except DataError as error:
+            log.warning(f"{file.path}: {error}; its transforms are left out")
+        else:
+            found |= dict.fromkeys(topic.channels, reader)
+    return found
 
 
 def _take_in(tree: TransformTree, reader: TopicReader, message: Message) -> None:
@@ -137,7 +149,7 @@ def find_mounting(
     if abs(matrix[2, 2]) < cos(LEVEL):
         log.warning(
             f"{where}: the laser '{laser}' is tilted by "
-            f"{np.degrees(np.arccos(min(1.0, abs(matrix[2, 2])))):.0f} degrees against '{base}'; its "
+            f"{np.degrees(np.arccos(abs(matrix[2, 2]))):.0f} degrees against '{base}'; its "
             "scans are read as if it were level"
         )
     return Mounting(flatten(matrix, base), bool(matrix[2, 2] < 0.0), range_max)
@@ -162,6 +174,7 @@ class TransformPoseReader(TopicReader):
         self, file: LogFile, topic: Topic, parent: str, child: str, offset: Matrix
     ) -> None:
         super().__init__(file, topic)
+        self.role = "pose"
         self.parent = parent
         self.child = child
         self.offset = offset
@@ -169,12 +182,16 @@ class TransformPoseReader(TopicReader):
     def item(self, message: Message) -> Item | None:
         """Return the pose in a message, None where it moves other frames only."""
         found = super().item(message)
+        moves = (self.parent, self.child)
         for each in [] if found is None else found.value():
-            if (each.parent, each.child) == (self.parent, self.child):
-                matrix = each.matrix() @ self.offset
-                stamp = each.stamp if each.stamp > 0 else message.log_time
-                return Item(stamp, "pose", lambda: flatten(matrix, self.parent))
+            if (each.parent, each.child) == moves:
+                return Item(
+                    each.stamp if each.stamp > 0 else message.log_time, "pose", self._pose(each)
+                )
         return None
+
+    def _pose(self, transform: Transform) -> Callable[[], Pose2D]:
+        return lambda: flatten(transform.matrix() @ self.offset, self.parent)
 
 
 def pose_readers(
@@ -201,6 +218,11 @@ def pose_readers(
                 f"source.pose_frame={pose_frame} is not above '{base}' in the transforms of "
                 f"{file.path}; above it: {', '.join(line[1:]) or 'none'}"
             )
+        log.warning(
+            f"{file.path}: no pose, for the transforms do not place '{base}' in any of "
+            f"{', '.join(FIXED_FRAMES)}; frames: {', '.join(sorted(tree.frames())) or 'none'}; set "
+            "source.base_frame or source.pose_frame"
+        )
         return []
     child = line[line.index(parent) - 1]
     offset = tree.lookup(child, base)

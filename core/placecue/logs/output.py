@@ -41,7 +41,11 @@ class Output:
     """
 
     def __init__(
-        self, path: str | Path, profile: str = "", compression: str = "zstd", chunk_size: int = 2**20
+        self,
+        path: str | Path,
+        profile: str = "",
+        compression: str = "zstd",
+        chunk_size: int = 2**20,
     ) -> None:
         if compression not in COMPRESSIONS:
             raise UsageError(

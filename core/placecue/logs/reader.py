@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from inspect import signature
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.logs import mounting, topics
 from placecue.logs.container import LogFile, Topic
-from placecue.logs.faults import Faults
 from placecue.logs.geometry import TransformTree
-from placecue.logs.items import Item, TopicReader
+from placecue.logs.items import TopicReader
 from placecue.logs.labels import Intervals
 from placecue.logs.mounting import Mounting
-from placecue.logs.synchronise import Match, Synchroniser, interpolate
+from placecue.logs.reading import Reading
 from placecue.logs.topics import Choice
-from placecue.observation import PARTS, LaserScan, Observation, Part, Pose2D
+from placecue.observation import PARTS, Observation, Part
 from placecue.source import Source
 
 
@@ -137,10 +135,11 @@ class McapLog(Source):
             else:
                 name = getattr(self, f"{part}_topic")
                 chosen[part] = topics.choose(part, available, name, str(self.path))
-        if not any(chosen[part].topics for part in wanted if part in ("image", "scan")):
+        makers = [part for part in wanted if part in ("image", "scan")]
+        if not any(chosen[part].topics for part in makers):
             raise DataError(
-                f"{self.path} holds no {' and no '.join(p for p in wanted if p in ('image', 'scan'))}"
-                f" that can be read; its topics: {', '.join(map(_described, available)) or 'none'}"
+                f"{self.path} holds no {' and no '.join(makers)} that can be read; its topics: "
+                f"{', '.join(map(_described, available)) or 'none'}"
             )
         return chosen
 
@@ -174,40 +173,21 @@ class McapLog(Source):
         UsageError, DataError
             See :attr:`choices`; or the labels beside the log cannot be read.
         """
-        faults = Faults(str(self.path))
-        for match in self.matches(faults):
-            observation = self._observation(match, faults)
-            if observation is not None:
-                yield observation
+        reading = self._reading()
+        yield from reading.observations()
         if not self._faults_told:
-            faults.report()
+            reading.faults.report()
             self._faults_told = True
 
-    def matches(self, faults: Faults) -> Iterator[Match]:
-        """Yield the messages that make each observation, undecoded, in order of time.
-
-        Parameters
-        ----------
-        faults : Faults
-            Takes what goes wrong.
-        """
-        followers: list[Part] = [
-            part for part in ("scan", "pose") if part != self.driver and self._read(part)
-        ]
-        synchroniser = Synchroniser(
-            self.driver,
-            followers,
-            *(round(seconds * 1e9) for seconds in (self.tolerance, self.window, self.pose_gap)),
-        )
-        for item in self._items(faults):
-            yield from synchroniser.push(item)
-        yield from synchroniser.finish()
-        if synchroniser.late:
-            kind = f"{self.driver} messages came more than {self.window:g} s late and were left out"
-            faults.add(kind, "raise source.window to keep them", synchroniser.late)
+    def labels_only(self) -> Iterator[str | None]:
+        """Yield the label of each observation in order of time, decoding nothing else."""
+        return self._reading().labels()
 
     def digest(self) -> str:
-        """Return a SHA-256 of the file, and of the options where they are not the default ones."""
+        """Return a SHA-256 of the file, and of the options where they are not the default ones.
+
+        Which parts are read does not count, unless it decides what makes an observation.
+        """
         return self._digest
 
     def count(self) -> int | None:
@@ -222,89 +202,41 @@ class McapLog(Source):
     def _digest(self) -> str:
         content = self.file.digest()
         options = {
-            key: value
-            for key, value in self._options().items()
-            if value != _DEFAULTS[key] and key != "labels"
+            name: getattr(self, name)
+            for name, default in _DEFAULTS.items()
+            if name != "parts" and getattr(self, name) != default
         }
         if self.labels is not None:
-            options["labels"] = hashlib.sha256(Path(self.labels).read_bytes()).hexdigest()
+            options["labels"] = hashlib.sha256(repr(self.intervals).encode()).hexdigest()
+        images = any(topics.role_of(each) == "image" for each in self.file.topics())
+        if images and self.driver == "scan":
+            options["driver"] = "scan"  # another choice of parts would have taken the images
         if not options:
             return content
         return hashlib.sha256((content + json.dumps(options, sort_keys=True)).encode()).hexdigest()
-
-    def _options(self) -> dict[str, Any]:
-        return {key: getattr(self, key) for key in _DEFAULTS}
 
     def _read(self, part: Part) -> tuple[Topic, ...]:
         choice = self.choices.get(part)
         return () if choice is None else choice.topics
 
-    def _readers(self) -> dict[int, TopicReader]:
-        finish: dict[Part, Callable[[LaserScan], LaserScan]] = {}
-        if self._read("scan"):
-            finish["scan"] = self.mounting.place
-        readers: list[TopicReader] = []
-        for part in self.choices:
-            chosen = self._read(part)
-            if part == "pose" and any(topics.role_of(each) == "transform" for each in chosen):
-                readers += mounting.pose_readers(
-                    self.file, chosen, self._tree(None), self.base_frame, self.pose_frame
-                )
-            else:
-                readers += [TopicReader(self.file, each, finish.get(part)) for each in chosen]
-        return {number: reader for reader in readers for number in reader.topic.channels}
+    def _reading(self) -> Reading:
+        readers = [reader for part in self.choices for reader in self._readers(part)]
+        spans = (self.tolerance, self.window, self.pose_gap)
+        return Reading(self.file, self.driver, readers, self.intervals, *spans, *self._span())
 
-    def _items(self, faults: Faults) -> Iterator[Item]:
-        readers = self._readers()
-        since, until = self._span()
-        labels = [number for number, reader in readers.items() if reader.adapter.role == "label"]
-        before = self.file.messages(labels, until=since) if labels and since is not None else ()
-        for message in chain(before, self.file.messages(readers, since, until)):
-            try:
-                item = readers[message.channel_id].item(message)
-            except UnusableObservation as error:
-                faults.add("messages could not be used", str(error))
-                continue
-            if item is not None:
-                yield item
+    def _readers(self, part: Part) -> list[TopicReader]:
+        chosen = self._read(part)
+        if part == "pose" and chosen and topics.role_of(chosen[0]) == "transform":
+            tree = self._tree(None)
+            return mounting.pose_readers(self.file, chosen, tree, self.base_frame, self.pose_frame)
+        finish = self.mounting.place if part == "scan" and chosen else None
+        return [TopicReader(self.file, topic, finish) for topic in chosen]
 
     def _span(self) -> tuple[int | None, int | None]:
         first = self.file.contents.start
         since = None if self.start is None else first + round(self.start * 1e9)
         until = None if self.end is None else first + round(self.end * 1e9)
         return since, until
-
-    def _observation(self, match: Match, faults: Faults) -> Observation | None:
-        driver = _value(match.driver, faults)
-        if driver is None:
-            return None
-        stamp = match.driver.stamp
-        scan = driver if self.driver == "scan" else self._follower("scan", match, faults)
-        return Observation(
-            stamp,
-            image=driver if self.driver == "image" else None,
-            scan=scan,
-            pose=self._follower("pose", match, faults),
-            label=self._label(match, faults),
-        )
-
-    def _follower(self, part: Part, match: Match, faults: Faults) -> Any:
-        if not self._read(part):
-            return None
-        stamp = match.driver.stamp
-        found = (match.scan,) if part == "scan" else match.poses
-        if not found or found[0] is None:
-            faults.add(f"{self.driver}s have no {part} near enough in time", f"at stamp {stamp}")
-            return None
-        return _value(found[0], faults) if part == "scan" else _pose(match.poses, stamp, faults)
-
-    def _label(self, match: Match, faults: Faults) -> str | None:
-        if "label" not in self.choices:
-            return None
-        if self.intervals is not None:
-            return self.intervals.at(match.driver.stamp)
-        label: str | None = None if match.label is None else _value(match.label, faults)
-        return label or None
 
     def _frame_of_first(self, topic: Topic) -> str:
         reader = TopicReader(self.file, topic)
@@ -353,22 +285,6 @@ def open_log(path: str | Path, **options: Any) -> McapLog:
     log = McapLog(str(path), **options)
     _ = log.choices  # errors come now and not in the middle of something
     return log
-
-
-def _value(item: Item, faults: Faults) -> Any:
-    try:
-        return item.value()
-    except UnusableObservation as error:
-        faults.add("messages could not be used", str(error))
-        return None
-
-
-def _pose(poses: tuple[Item, ...], stamp: int, faults: Faults) -> Pose2D | None:
-    values: list[Pose2D] = [value for item in poses if (value := _value(item, faults)) is not None]
-    if len(values) < 2:
-        return values[0] if values else None
-    first, second = (item.stamp for item in poses)
-    return interpolate(*values, (stamp - first) / (second - first))
 
 
 def _described(topic: Topic) -> str:

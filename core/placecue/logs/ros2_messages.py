@@ -58,7 +58,7 @@ def definition(name: str) -> str:
     """Return the full definition of a message, followed by those of the messages inside it."""
     order = [name]
     for each in order:  # grows while it is walked
-        types = (line.split()[0].split("[")[0] for line in FIELDS[each].splitlines())
+        types = {line.split()[0].split("[")[0]: None for line in FIELDS[each].splitlines()}
         order += [inner for inner in types if inner in FIELDS and inner not in order]
     inner = (f"MSG: {each}\n{FIELDS[each]}" for each in order[1:])
     return SEPARATOR.join([FIELDS[name], *inner]) + "\n"

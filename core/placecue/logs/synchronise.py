@@ -112,7 +112,7 @@ class Synchroniser:
         self.window = window
         self.pose_gap = pose_gap
         self.late = 0
-        self._tracks = {part: Track() for part in (*self.followers, "label")}
+        self._tracks: dict[str, Track] = {part: Track() for part in (*self.followers, "label")}
         self._waiting: list[tuple[int, int, Item]] = []  # stamp, running number, driver
         self._number = 0
         self._last: int | None = None
@@ -144,7 +144,7 @@ class Synchroniser:
             self.late += 1
             return
         self._last = stamp
-        scan = self._tracks["scan"] if "scan" in self._tracks else None
+        scan = self._tracks.get("scan")
         yield Match(
             item,
             None if scan is None else scan.nearest(stamp, self.tolerance),

@@ -88,7 +88,7 @@ def choose(part: Part, topics: Sequence[Topic], wanted: str | None, where: str) 
             f"{where} has {len(candidates)} topics with {WORDS[part]}: {_listed(candidates)}; "
             f"choose one, such as source.{part}_topic={_largest(candidates).name}"
         )
-    moving = [topic for topic in transforms(topics) if part == "pose"]
+    moving = [t for t in transforms(topics) if part == "pose" and "static" not in t.name]
     if moving:
         return Choice(part, tuple(moving), "transforms, as there is no pose topic")
     return Choice(part, (), f"no {part} topic")

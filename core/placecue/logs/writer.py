@@ -20,6 +20,13 @@ DIALECTS: dict[str, type[Dialect]] = {"cdr": Ros2Dialect, "json": FoxgloveDialec
 IMAGE_FORMATS = ("jpeg", "png")
 #: Beams whose spacing differs from the mean by more than this share of it are not even.
 EVEN = 0.01
+#: Stamps from here on do not fit into the 32-bit seconds of messages, ns.
+LAST_STAMP = 2**31 * 10**9
+
+
+def can_hold(stamp: int) -> bool:
+    """Tell whether messages can hold a stamp, ns."""
+    return 0 <= stamp < LAST_STAMP
 
 
 class McapWriter:
@@ -90,12 +97,12 @@ class McapWriter:
         Raises
         ------
         UnusableObservation
-            If its image does not decode, its beams are not evenly spaced, or its stamp is
-            negative.
+            If its image does not decode, its beams are not evenly spaced, its pose is not finite,
+            or its stamp is before 1970 or after 2038.
         """
         stamp = observation.stamp
-        if stamp < 0:
-            raise UnusableObservation(f"stamp {stamp} is before 1970; MCAP has no such times")
+        if not can_hold(stamp):
+            raise UnusableObservation(f"stamp {stamp} is not between 1970 and 2038")
         label, mount = observation.label or "", None
         messages: list[Written] = []
         if label != (self._label or ""):
@@ -112,12 +119,14 @@ class McapWriter:
         self._label, self._mount = label, mount or self._mount
 
     def _pose(self, stamp: int, pose: Pose2D) -> list[Written]:
+        if not np.isfinite([pose.x, pose.y, pose.theta]).all():
+            raise UnusableObservation(f"the pose at stamp {stamp} is not finite: {pose}")
         moved = self.dialect.transform(stamp, pose.frame, BASE_FRAME, pose, static=False)
         return [self.dialect.pose(stamp, pose), moved]
 
     def _scan(self, stamp: int, scan: LaserScan) -> list[Written]:
-        step = spacing(scan)
-        if len(scan.angles) > 1 and np.abs(np.diff(scan.angles) - step).max() > EVEN * abs(step):
+        uneven = np.abs(np.diff(scan.angles) - spacing(scan)) > EVEN * abs(spacing(scan))
+        if uneven.any() or not np.isfinite(scan.angles).all():
             raise UnusableObservation(
                 f"the {len(scan.angles)} beams at stamp {stamp} are not evenly spaced, which no "
                 "scan message can hold: resample them"

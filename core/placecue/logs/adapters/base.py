@@ -73,5 +73,5 @@ def increasing(
         raise UnusableObservation(
             f"{origin}: {len(lengths)} beams from {first} rad in steps of {step} rad"
         )
-    angles = first + step * np.arange(len(lengths))
+    angles = first + step * np.arange(len(lengths), dtype=np.float64)
     return (angles, lengths) if step >= 0 else (angles[::-1].copy(), lengths[::-1].copy())

@@ -87,7 +87,7 @@ class InterleavedChunks(FoldScheme):
         Length of a chunk, s.
     """
 
-    seconds: float = 5.0
+    seconds: float = 2.0
 
     def assign(  # noqa: D102
         self, labels: ArrayLike, stamps: ArrayLike | None = None

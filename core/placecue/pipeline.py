@@ -38,7 +38,7 @@ class Pipeline:
         Joins the cues; may be left out where there is one cue.
     folds : FoldScheme, optional
         How the training samples are cut to fit the integrator on scores that the single-cue
-        models have not seen; interleaved chunks of 5 s by default.
+        models have not seen; interleaved chunks of 2 s by default.
 
     Examples
     --------

@@ -78,7 +78,7 @@ class SVM(Classifier):
         scaling: str | None = None,
         search: Mapping[str, Sequence[float]] | None = None,
         n_folds: int = 5,
-        fold_seconds: float = 5.0,
+        fold_seconds: float = 2.0,
     ) -> None:
         self.kernel = kernel
         self.C = C

@@ -72,7 +72,8 @@ class LaserScan:
     def valid(self) -> NDArray[np.bool_]:
         """Return which beams measured something, shape (n,)."""
         with np.errstate(invalid="ignore"):
-            return (self.ranges > self.range_min) & (self.ranges <= self.range_max)
+            within = (self.ranges > self.range_min) & (self.ranges <= self.range_max)
+        return within & np.isfinite(self.ranges)
 
     def filled(self) -> NDArray[np.float64]:
         """Return the ranges with every invalid beam set to ``range_max``.

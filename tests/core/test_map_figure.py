@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from placecue import Area, DataError, Node, SemanticMap, UsageError
-from placecue.evaluation.map_figure import category_styles, draw_semantic_map, thinned
+from placecue.evaluation.map_figure import category_styles, cells, draw_semantic_map
 
 CLASSES = ("corridor", "kitchen", "office", "printer")
 
@@ -32,8 +32,8 @@ def test_nodes_have_the_colour_of_their_area_s_category(tmp_path):
 
 
 def test_the_picture_is_as_wide_as_asked(tmp_path):
-    path = draw_semantic_map(map_of(CLASSES), tmp_path / "deep" / "map.png", width=1600)
-    assert cv2.imread(str(path)).shape[1] == 1600
+    path = draw_semantic_map(map_of(CLASSES), tmp_path / "deep" / "map.png", size=1600)
+    assert max(cv2.imread(str(path)).shape[:2]) == 1600
     assert [p.name for p in path.parent.iterdir()] == ["map.png"]
 
 
@@ -75,7 +75,14 @@ def test_styles_stay_apart_for_many_categories():
     assert list(category_styles(["unknown", "office"])) == ["office", "unknown"]
 
 
-def test_one_point_is_drawn_for_each_square():
-    points = np.array([[0.01, 0.01], [0.04, 0.02], [0.06, 0.01], [-0.01, 0.01], [np.inf, 0.0]])
-    np.testing.assert_array_equal(thinned(points, 0.05), points[[0, 2, 3]])
-    assert thinned(None, 0.05).shape == (0, 2)
+def test_one_square_is_drawn_for_the_points_that_share_it():
+    points = np.array([[0.01, 0.01], [0.02, -0.02], [0.06, 0.01], [-0.06, 0.01], [np.inf, 0.0]])
+    expected = [[-0.05, 0.0], [0.0, 0.0], [0.05, 0.0]]
+    np.testing.assert_allclose(cells(points, 0.05), expected, atol=1e-12)
+    assert cells(None, 0.05).shape == (0, 2)
+
+
+def test_background_squares_stand_where_the_points_are(tmp_path):
+    wall = np.column_stack([np.linspace(0, 4, 41), np.full(41, 3.0)])
+    path = draw_semantic_map(map_of(CLASSES), tmp_path / "map.svg", points=wall)
+    assert "<image" in path.read_text()

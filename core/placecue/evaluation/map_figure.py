@@ -43,8 +43,8 @@ def draw_semantic_map(
     classes: Sequence[str] | None = None,
     truth: Truth | None = None,
     title: str | None = None,
-    width: int = 1600,
-    voxel: float = 0.05,
+    size: int = 1600,
+    voxel: float = 0.1,
 ) -> Path:
     """Draw a semantic map into a picture file.
 
@@ -59,13 +59,13 @@ def draw_semantic_map(
     classes : sequence of str, optional
         Categories for the legend; the map's own by default.
     truth : sequence of (x, y, label), optional
-        True categories along the way (x, y in m), drawn as a thin line.
+        True categories along the way (x, y in m), drawn as small dots.
     title : str, optional
         Heading of the picture.
-    width : int
-        Width of the picture, pixels. Its height follows the shape of the map.
+    size : int
+        Longer side of the picture, pixels. The other follows the shape of the map.
     voxel : float
-        Of the points that share a square of this side, m, one is drawn.
+        Side of the squares that hold a point, and are drawn grey, m.
 
     Returns
     -------
@@ -83,11 +83,11 @@ def draw_semantic_map(
     from matplotlib.figure import Figure
 
     styles = category_styles(_names(semantic_map, classes, truth))
-    background = thinned(points, voxel)
+    background = cells(points, voxel)
     extent = _extent(semantic_map, background, truth)
-    figure = Figure(figsize=_size(extent, width), dpi=100, layout="constrained")
+    figure = Figure(figsize=_size(extent, size), dpi=100, layout="constrained")
     axes = figure.add_subplot()
-    axes.plot(*background.T, ",", color="#B5B5B5", zorder=1, rasterized=True)
+    _draw_background(axes, background, voxel)
     _draw_truth(axes, truth or (), styles)
     _draw_graph(axes, semantic_map, styles)
     _draw_names(axes, semantic_map)
@@ -116,14 +116,12 @@ def category_styles(names: Sequence[str]) -> dict[str, Style]:
     return {**styles, UNKNOWN: (GREY, "o")}
 
 
-def thinned(points: Points | None, voxel: float) -> Points:
-    """Return one point for each square of side ``voxel`` (m) that holds any, shape (k, 2)."""
+def cells(points: Points | None, voxel: float) -> Points:
+    """Return the centres of the squares of side ``voxel`` (m) that hold a point, shape (k, 2)."""
     if points is None or len(points) == 0:
         return np.empty((0, 2))
     finite = points[np.isfinite(points).all(axis=1)]
-    cells = np.floor(finite / voxel).astype(np.int64)
-    _, first = np.unique(cells, axis=0, return_index=True)
-    return np.asarray(finite[np.sort(first)])
+    return np.asarray(np.unique(np.round(finite / voxel), axis=0) * voxel)
 
 
 def _names(
@@ -147,21 +145,30 @@ def _extent(semantic_map: SemanticMap, background: Points, truth: Truth | None) 
     return np.array([low - margin, high + margin])
 
 
-def _size(extent: Points, width: int) -> tuple[float, float]:
+def _size(extent: Points, size: int) -> tuple[float, float]:
     across, up = extent[1] - extent[0]
-    inches = width / 100
-    return inches, inches * float(np.clip(up / across, 0.35, 1.6))
+    inches = size / 100
+    if up <= across:
+        return inches, inches * max(float(up / across), 0.35)
+    return inches * max(float(across / up), 0.5), inches
+
+
+def _draw_background(axes: Axes, background: Points, voxel: float) -> None:
+    if len(background) == 0:
+        return
+    columns, rows = np.round(background / voxel).astype(np.int64).T
+    grid = np.zeros((int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1))
+    grid[rows - rows.min(), columns - columns.min()] = 0.4
+    left, right = columns.min() - 0.5, columns.max() + 0.5
+    bottom, top = rows.min() - 0.5, rows.max() + 0.5
+    sides = (left * voxel, right * voxel, bottom * voxel, top * voxel)
+    axes.imshow(grid, cmap="Greys", vmin=0, vmax=1, origin="lower", extent=sides, zorder=1)
 
 
 def _draw_truth(axes: Axes, truth: Truth, styles: Mapping[str, Style]) -> None:
-    from matplotlib.collections import LineCollection
-
-    if len(truth) < 2:
-        return
-    way = np.array([(x, y) for x, y, _ in truth])
-    segments = np.stack([way[:-1], way[1:]], axis=1)
-    colours = [styles[label][0] for _, _, label in truth[1:]]
-    axes.add_collection(LineCollection(list(segments), colors=colours, linewidths=1.2, zorder=2))
+    for name in sorted({label for _, _, label in truth}):
+        way = np.array([(x, y) for x, y, label in truth if label == name])
+        axes.plot(*way.T, "o", color=styles[name][0], markersize=2.5, alpha=0.6, zorder=2)
 
 
 def _draw_graph(axes: Axes, semantic_map: SemanticMap, styles: Mapping[str, Style]) -> None:
@@ -211,6 +218,7 @@ def _middle(nodes: Sequence[Node]) -> Node:
 
 
 def _frame(axes: Axes, extent: Points, frame: str, title: str | None) -> None:
+    axes.set_facecolor("white")
     axes.set_aspect("equal")
     axes.set_xlim(extent[0, 0], extent[1, 0])
     axes.set_ylim(extent[0, 1], extent[1, 1])
@@ -232,9 +240,10 @@ def _legend(figure: Figure, styles: Mapping[str, Style], gateways: bool) -> None
     if gateways:
         marks["markersize"] = 6
         handles.append(Line2D([], [], color="black", marker="D", label="doorway passed", **marks))
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(len(handles), 8), fontsize=13
-    )
+    # A letter is about 0.11 inches wide at this size, mark and space about 0.6.
+    widest = 0.11 * max(len(handle.get_label()) for handle in handles) + 0.6
+    columns = min(len(handles), max(1, int(figure.get_figwidth() / widest)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=13)
 
 
 def _save(figure: Figure, path: Path) -> Path:

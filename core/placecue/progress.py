@@ -55,7 +55,9 @@ def shown() -> Iterator[None]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, transient=True) as bars:
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bars:
 
         def report(items: Iterable[T], what: str, total: int | None) -> Iterator[T]:
             length = total if total is not None else length_hint(items, -1)

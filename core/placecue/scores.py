@@ -107,10 +107,8 @@ class Layout(ABC):
 
 
 @dataclass(frozen=True)
-class OneAgainstAll(Layout):
-    """Column j is the discriminant function of class j against the rest; the largest wins."""
-
-    name: ClassVar[str] = "one_against_all"
+class _ColumnPerClass(Layout):
+    """One column a class; the largest wins."""
 
     @property
     def columns(self) -> tuple[str, ...]:  # noqa: D102
@@ -121,7 +119,21 @@ class OneAgainstAll(Layout):
 
 
 @dataclass(frozen=True)
-class ModifiedOneAgainstAll(Layout):
+class OneAgainstAll(_ColumnPerClass):
+    """Column j is the discriminant function of class j against the rest; the largest wins."""
+
+    name: ClassVar[str] = "one_against_all"
+
+
+@dataclass(frozen=True)
+class Probabilities(_ColumnPerClass):
+    """Column j is the probability of class j; the largest wins."""
+
+    name: ClassVar[str] = "probabilities"
+
+
+@dataclass(frozen=True)
+class ModifiedOneAgainstAll(_ColumnPerClass):
     """Columns as one-against-all; the class whose training mean the score lies nearest wins.
 
     ``class_means`` holds the mean of D_j over the training samples of class j. The winner is
@@ -143,29 +155,11 @@ class ModifiedOneAgainstAll(Layout):
                 f"{len(self.class_means)} means"
             )
 
-    @property
-    def columns(self) -> tuple[str, ...]:  # noqa: D102
-        return self.classes
-
     def preference(self, values: Values) -> Values:  # noqa: D102
         return np.asarray(-np.abs(values - np.asarray(self.class_means)))
 
     def to_json(self) -> dict[str, Any]:  # noqa: D102
         return {**super().to_json(), "class_means": list(self.class_means)}
-
-
-@dataclass(frozen=True)
-class Probabilities(Layout):
-    """Column j is the probability of class j; the largest wins."""
-
-    name: ClassVar[str] = "probabilities"
-
-    @property
-    def columns(self) -> tuple[str, ...]:  # noqa: D102
-        return self.classes
-
-    def preference(self, values: Values) -> Values:  # noqa: D102
-        return values
 
 
 @dataclass(frozen=True)

@@ -58,5 +58,5 @@ def test_every_component_has_an_option_file() -> None:
 @pytest.mark.parametrize("option", COMPONENT_OPTIONS)
 def test_every_option_begins_with_what_it_is(option: str) -> None:
     text = (files("placecue_conf") / option).read_text()
-    comments = [line for line in text.splitlines() if line.startswith("# ") and "@package" not in line]
-    assert comments, f"{option} has no comment"
+    lines = [line for line in text.splitlines() if "@package" not in line]
+    assert lines[0].startswith("# "), f"{option} does not begin with a comment"

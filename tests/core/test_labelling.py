@@ -1,0 +1,86 @@
+"""Running a pipeline over a log: listeners are told, and memory does not grow with the log."""
+
+import tracemalloc
+from pathlib import Path
+
+import pytest
+
+from placecue import Observation, Pipeline, Pose2D
+from placecue.evaluation.surroundings import Surroundings
+from placecue.evaluation.tally import Tally
+from placecue.labelling import run_log
+from placecue.logs import open_log
+from placecue.logs.annotated import AnnotatedLog
+from placecue.logs.writer import McapWriter
+from placecue.storage.belief_table import belief_table
+from placecue_accumulators.node import NodeLeft
+from placecue_accumulators.spatiotemporal import SpatioTemporal
+from toys import PLACES, Walk, pipeline
+
+
+class Rounds(Walk):
+    """The same places again and again."""
+
+    def at(self, number: int) -> Observation:
+        seen = super().at(number)
+        place = number % (self.stay * len(PLACES))
+        seen.pose = Pose2D(0.1 * place, 0.0, 0.0)
+        return seen
+
+
+@pytest.fixture(scope="module")
+def fitted() -> Pipeline:
+    return pipeline().fit(Walk())
+
+
+def accumulator() -> SpatioTemporal:
+    return SpatioTemporal(boundary=NodeLeft(), accept_confidence=0.0, label_confidence=0.0)
+
+
+def test_a_log_becomes_a_map(fitted: Pipeline) -> None:
+    tally, surroundings, gathered = Tally(), Surroundings(), accumulator()
+    run_log(fitted, Rounds(rounds=2, seed=1), [tally, surroundings], accumulator=gathered)
+    labels = {area.label for area in gathered.semantic_map().areas}
+    assert labels == set(PLACES)
+    assert tally.balanced_accuracy("integrated") > 0.9
+    assert tally.samples("kitchen") == 40
+    assert {name for _, _, name in surroundings.truth} == set(PLACES)
+    assert len(surroundings.points) > 100
+
+
+def test_a_tally_counts_what_cannot_be_scored(fitted: Pipeline) -> None:
+    log = list(Walk(rounds=1, seed=1))
+    log[3] = log[3].relabelled(None)
+    log[7] = Observation(log[7].stamp, label="lab")
+    tally = Tally()
+    run_log(fitted, log, [tally])
+    assert (tally.unlabelled, tally.unusable) == (1, 1)
+    assert sum(tally.samples(name) for name in tally.classes()) == 78
+
+
+def test_recalls_by_hand() -> None:
+    tally = Tally()
+    tally.counts["integrated"].update({("a", "a"): 3, ("a", "b"): 1, ("b", "b"): 1, ("b", "c"): 1})
+    assert tally.recall("integrated", "a") == 0.75
+    assert tally.balanced_accuracy("integrated") == pytest.approx((0.75 + 0.5) / 2)
+    assert tally.recall("integrated", "c") is None
+
+
+def test_a_log_ten_times_as_long_uses_the_same_memory(fitted: Pipeline, tmp_path: Path) -> None:
+    def peak(rounds: int) -> int:
+        path = tmp_path / f"{rounds}.mcap"
+        with McapWriter(path) as writer:
+            for observation in Rounds(rounds=rounds, seed=1):
+                writer.write(observation)
+        tracemalloc.start()
+        out = tmp_path / f"{rounds}.out.mcap"
+        with AnnotatedLog(out, PLACES) as annotated, belief_table(tmp_path / "b.csv") as table:
+            listeners = [Tally(), Surroundings(), annotated, table]
+            run_log(fitted, open_log(path), listeners, accumulator=accumulator())
+        _, highest = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return highest
+
+    peak(1)
+    # What grows is the index of the output's chunks, a few bytes an observation.
+    assert peak(40) < 1.3 * peak(4)

@@ -69,18 +69,21 @@ def test_recalls_by_hand() -> None:
 def test_a_log_ten_times_as_long_uses_the_same_memory(fitted: Pipeline, tmp_path: Path) -> None:
     def peak(rounds: int) -> int:
         path = tmp_path / f"{rounds}.mcap"
-        with McapWriter(path) as writer:
+        with McapWriter(path, chunk_size=2**15) as writer:
             for observation in Rounds(rounds=rounds, seed=1):
                 writer.write(observation)
         tracemalloc.start()
         out = tmp_path / f"{rounds}.out.mcap"
-        with AnnotatedLog(out, PLACES) as annotated, belief_table(tmp_path / "b.csv") as table:
-            listeners = [Tally(), Surroundings(), annotated, table]
+        with (
+            AnnotatedLog(out, PLACES, chunk_size=2**15) as annotated,
+            belief_table(tmp_path / "b.csv") as table,
+        ):
+            listeners = [Tally(), annotated, table]
             run_log(fitted, open_log(path), listeners, accumulator=accumulator())
         _, highest = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return highest
 
     peak(1)
-    # What grows is the index of the output's chunks, a few bytes an observation.
-    assert peak(40) < 1.3 * peak(4)
+    # An observation with its scan takes over a kilobyte; what grows is the output's chunk index.
+    assert (peak(40) - peak(4)) / (36 * 80) < 200

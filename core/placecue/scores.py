@@ -111,10 +111,10 @@ class _ColumnPerClass(Layout):
     """One column a class; the largest wins."""
 
     @property
-    def columns(self) -> tuple[str, ...]:  # noqa: D102
+    def columns(self) -> tuple[str, ...]:
         return self.classes
 
-    def preference(self, values: Values) -> Values:  # noqa: D102
+    def preference(self, values: Values) -> Values:
         return values
 
 

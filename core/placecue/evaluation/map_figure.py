@@ -241,7 +241,7 @@ def _legend(figure: Figure, styles: Mapping[str, Style], gateways: bool) -> None
         marks["markersize"] = 6
         handles.append(Line2D([], [], color="black", marker="D", label="doorway passed", **marks))
     # A letter is about 0.11 inches wide at this size, mark and space about 0.6.
-    widest = 0.11 * max(len(handle.get_label()) for handle in handles) + 0.6
+    widest = 0.11 * max(len(str(handle.get_label())) for handle in handles) + 0.6
     columns = min(len(handles), max(1, int(figure.get_figwidth() / widest)))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=13)
 

@@ -18,9 +18,37 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="source",
+            name="cold",
+            factory="placecue_sources.cold:Cold",
+            summary="Sequence of the COLD database, folder or tar",
+            requires=("path",),
+        ),
+        Component(
+            kind="source",
+            name="cold_meta",
+            factory="placecue_sources.cold_meta:ColdMeta",
+            summary="Sequence of COLD-Meta: scans, poses and labels without images",
+            requires=("path",),
+        ),
+        Component(
+            kind="source",
             name="floorplan",
             factory="placecue_sources.floorplan:FloorPlan",
             summary="Scans ray-cast in labelled floor plans",
+            requires=("path",),
+        ),
+        Component(
+            kind="source",
+            name="idol2",
+            factory="placecue_sources.idol2:Idol2",
+            summary="Sequence of the IDOL2 database, folder or tar",
+            requires=("path",),
+        ),
+        Component(
+            kind="source",
+            name="image_folder",
+            factory="placecue_sources.image_folder:ImageFolder",
+            summary="Images in one folder a class",
             requires=("path",),
         ),
         Component(
@@ -29,5 +57,19 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.office:Office",
             summary="Simulated office floor with camera and laser",
             requires=(),
+        ),
+        Component(
+            kind="source",
+            name="rgbd",
+            factory="placecue_sources.rgbd:RGBD",
+            summary="Colour and depth images, with a virtual laser scan cut from the depth",
+            requires=("path",),
+        ),
+        Component(
+            kind="source",
+            name="table",
+            factory="placecue_sources.table:Table",
+            summary="Any data set: a CSV, or files whose names tell it",
+            requires=("path",),
         ),
     ]

@@ -110,7 +110,7 @@ class CarmenLog(Source):
         parameters["parts"] = sorted(self.parts)
         return digest_of(parameters, [existing(self.path)])
 
-    def _open(self) -> tuple[_Reading, InOrder]:
+    def _open(self) -> tuple[_Reading, InOrder[Observation]]:
         """Return the log, to be read from its beginning, and its observations in order."""
         reading = _Reading(existing(self.path), self._records())
         return reading, InOrder(reading, self.reorder)

@@ -1,0 +1,109 @@
+"""The files of a frame of an RGB-D data set."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.errors import DataError, UnusableObservation
+from placecue.observation import EncodedImage
+from placecue_sources.contents import read_bytes
+from placecue_sources.rgbd_frames import Frame
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+class Faults:
+    """Counts the parts of frames that cannot be read, and says it once.
+
+    Parameters
+    ----------
+    where : str
+        Name of the data set, for messages.
+    """
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+        self.count = 0
+        self.read = 0
+        self.first: UnusableObservation | None = None
+
+    def tried(self, read: Callable[[Frame], T], frame: Frame) -> T | None:
+        """Return what ``read`` gives of a frame; None where it cannot."""
+        try:
+            part = read(frame)
+        except UnusableObservation as error:
+            self.first = self.first or error
+            self.count += 1
+            return None
+        self.read += 1
+        return part
+
+    def report(self, frames: int) -> None:
+        """Warn once of what could not be read, if anything.
+
+        Parameters
+        ----------
+        frames : int
+            How many there are.
+
+        Raises
+        ------
+        DataError
+            If nothing at all could be read.
+        """
+        if self.first is None:
+            return
+        text = f"{self.count} parts of {frames} frames cannot be read; the first: {self.first}"
+        if self.read == 0:
+            raise DataError(f"{self.where}: {text}") from self.first
+        log.warning(f"{self.where}: {text}")
+
+
+def picture(frame: Frame) -> EncodedImage:
+    """Return the picture of a frame, undecoded.
+
+    Raises
+    ------
+    UnusableObservation
+        If there is none.
+    """
+    path, data = _bytes_of(frame.image, "colour image", frame)
+    return EncodedImage(data, "png" if path.suffix.lower() == ".png" else "jpeg", str(path))
+
+
+def depth_image(frame: Frame) -> NDArray[np.float64]:
+    """Return the depth image of a frame in its own units, shape (H, W).
+
+    Raises
+    ------
+    UnusableObservation
+        If there is none, or it is no picture of one channel.
+    """
+    path, data = _bytes_of(frame.depth, "depth image", frame)
+    try:
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    except cv2.error as error:
+        raise UnusableObservation(f"{path} does not decode: {error.err}") from error
+    if image is None:
+        raise UnusableObservation(f"{path} is no picture ({len(data)} bytes)")
+    if image.ndim != 2:
+        raise UnusableObservation(f"{path} is no depth image: it has {image.shape[2]} channels")
+    return np.asarray(image, dtype=np.float64)
+
+
+def _bytes_of(path: Path | None, what: str, frame: Frame) -> tuple[Path, bytes]:
+    if path is None:
+        raise UnusableObservation(f"the frame at stamp {frame.stamp} has no {what}")
+    try:
+        return path, read_bytes(path)
+    except DataError as error:
+        raise UnusableObservation(str(error)) from error

@@ -17,6 +17,7 @@ COMMANDS = {
     "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
     "label": "model + log -> semantic map, online in one pass",
     "convert": "any source -> MCAP",
+    "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",
     "plugins": "the components that are installed, and plugins that do not load",
 }
@@ -72,13 +73,28 @@ def run(words: list[str]) -> int:
 
         return run_command(command, overrides)
     except PlacecueError as error:
-        if wants_traceback(words):
-            raise
-        print(f"placecue: {error}", file=sys.stderr)
-        return error.exit_status
+        return _failed(words, str(error), error.exit_status)
     except KeyboardInterrupt:
-        print("placecue: interrupted", file=sys.stderr)
-        return 130
+        return _failed(words, "interrupted", 130)
+    except Exception as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        return _failed(
+            words,
+            f"{words[0]} broke off, which should not happen ({reason}): {TRACEBACK}=1 before the "
+            "command shows where, for a report",
+            1,
+        )
+
+
+def _failed(words: Sequence[str], message: str, status: int) -> int:
+    """Say what went wrong, in one line unless the traceback is wanted; return the status."""
+    if wants_traceback(words):
+        from traceback import print_exc
+
+        print_exc()
+    else:
+        print(f"placecue: {message}", file=sys.stderr)
+    return status
 
 
 def help_text() -> str:

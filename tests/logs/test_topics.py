@@ -110,7 +110,7 @@ def test_an_option_that_is_not_known(small_log: str) -> None:
 
 
 def test_summary_of_a_log(small_log: str) -> None:
-    summary = summarise(small_log)
+    summary = summarise(McapLog(small_log))
     assert summary.duration == pytest.approx(1.9)
     assert (summary.whole, summary.indexed, summary.observations) == (True, True, 20)
     assert dict(summary.labels) == {"corridor": 10, "office": 10}
@@ -118,6 +118,10 @@ def test_summary_of_a_log(small_log: str) -> None:
     assert by_name["/scan"].count == 20
     assert by_name["/scan"].rate == pytest.approx(20 / 1.9)
     assert by_name["/scan"].used
+    assert by_name["/scan"].gap is not None
+    assert by_name["/scan"].gap.seconds == pytest.approx(0.1)
+    assert summary.coverage == 1.0
+    assert [x for x, _, _ in summary.trail] == list(range(20))
     assert {part.part: part.topics for part in summary.parts} == {
         "image": (),
         "scan": ("/scan",),
@@ -128,7 +132,7 @@ def test_summary_of_a_log(small_log: str) -> None:
 
 
 def test_summary_of_a_log_that_needs_a_choice(two_scanners: str) -> None:
-    summary = summarise(two_scanners)
+    summary = summarise(McapLog(two_scanners))
     scan = next(part for part in summary.parts if part.part == "scan")
     assert not scan.clear
     assert "source.scan_topic=/front/scan" in scan.reason

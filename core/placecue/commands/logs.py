@@ -1,14 +1,18 @@
-"""Opens what ``log=`` and ``source=`` name."""
+"""Opens what ``log=`` and ``source=`` name, and says where ``out=`` and ``model=`` are."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from placecue.config import build
 from placecue.discovery.manager import Plugins
 from placecue.errors import UsageError
+from placecue.label_map import LabelMap
+from placecue.logs.rooms import read_rooms
 from placecue.observation import PARTS, Part
+from placecue.relabelled import Relabelled
 from placecue.source import Chain, Source
 
 
@@ -25,7 +29,8 @@ def open_source(
     Parameters
     ----------
     config : mapping
-        With ``source``, whose ``path`` is ``${log}`` unless it is given.
+        With ``source``, whose ``path`` is ``${log}`` unless it is given; ``rooms``, ``label_map``
+        and ``unmapped_labels`` give its observations other labels.
     plugins : Plugins
         Builds the source, and is told of each log opened.
     log : str
@@ -47,15 +52,65 @@ def open_source(
             f"nothing to read: give {log}=FILE, {log}=[FILE,FILE], or source=NAME source.path=FILE"
         )
     if parts is not None and "parts" in spec and spec["parts"] is None:
-        spec["parts"] = [part for part in PARTS if part in parts]
+        needed = {*parts, "pose"} if config.get("rooms") else parts
+        spec["parts"] = [part for part in PARTS if part in needed]
     paths = spec.get("path")
     specs = [spec]
     if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
         specs = [{**spec, "path": path} for path in paths]
     sources: list[Source] = [build(each, "source", plugins.registry) for each in specs]
+    sources = [relabelled(each, config) for each in sources]
     for source in sources:
         plugins.tell("log_opened", source=source)
     return sources[0] if len(sources) == 1 else Chain(sources)
+
+
+def relabelled(source: Source, config: Mapping[str, Any]) -> Source:
+    """Return a source under the labels that a config asks for.
+
+    Parameters
+    ----------
+    source : Source
+        Any source.
+    config : mapping
+        ``rooms``: a GeoJSON file whose polygons give the labels; ``label_map``: a mapping from
+        old labels to new ones, or null; ``unmapped_labels``: keep, drop or error.
+
+    Raises
+    ------
+    UsageError
+        If the map makes no sense.
+    DataError
+        If the rooms cannot be read.
+    """
+    rooms, names = config.get("rooms"), config.get("label_map")
+    if not rooms and not names:
+        return source
+    if names is not None and not isinstance(names, Mapping):
+        raise UsageError(
+            f"label_map must map old labels to new ones, such as {{BO:office,PA:null}}, got "
+            f"{names!r}"
+        )
+    return Relabelled(
+        source,
+        read_rooms(str(rooms)) if rooms else None,
+        LabelMap(names, config.get("unmapped_labels", "keep")) if names else None,
+    )
+
+
+def path_of(config: Mapping[str, Any], key: str) -> Path:
+    """Return the path under a key.
+
+    Raises
+    ------
+    UsageError
+        If it is empty, or no path at all.
+    """
+    value = config[key]
+    # A name of digits alone, such as a year, comes as a number.
+    if isinstance(value, (str, int, Path)) and str(value) and not isinstance(value, bool):
+        return Path(str(value))
+    raise UsageError(f"{key} must be a path, got {value!r}: give {key}=PATH")
 
 
 def _kind(spec: Mapping[str, Any], plugins: Plugins) -> type[Source]:

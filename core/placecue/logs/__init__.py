@@ -20,7 +20,14 @@ def placecue_components() -> list[Component]:
             kind="source",
             name="mcap",
             factory="placecue.logs.reader:McapLog",
-            summary="MCAP log: ROS 2 (CDR) or Foxglove JSON messages",
+            summary="MCAP log: ROS 1, ROS 2 or Foxglove messages",
+            requires=("path",),
+        ),
+        Component(
+            kind="source",
+            name="rosbag",
+            factory="placecue.logs.rosbag:RosbagLog",
+            summary="ROS 1 or ROS 2 bag (.bag, sqlite3)",
             requires=("path",),
         ),
     ]

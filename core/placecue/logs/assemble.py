@@ -50,6 +50,10 @@ class Assembler:
             label=self.label(match),
         )
 
+    def place(self, match: Match) -> Observation:
+        """Return where a match is and under what label, without its driver and its scan."""
+        return Observation(match.driver.stamp, pose=self._pose(match), label=self.label(match))
+
     def label(self, match: Match) -> str | None:
         """Return the label in force, or None."""
         if self.intervals is not None:

@@ -6,31 +6,24 @@ import hashlib
 import logging
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.reader import SeekingReader
-from mcap.records import (
-    Channel,
-    ChunkIndex,
-    McapRecord,
-    Message,
-    Metadata,
-    Schema,
-)
-from mcap.summary import Summary
+from mcap.records import ChunkIndex, McapRecord, Message
 
 from placecue.errors import DataError
 from placecue.logs import indexed, linear
-from placecue.logs.linear import Damage
+from placecue.logs.contents import Contents, read_contents
+from placecue.logs.linear import MAGIC, Damage
+
+__all__ = ["MAGIC", "Contents", "LogFile", "Topic"]
 
 log = logging.getLogger(__name__)
 
-MAGIC = b"\x89MCAP0\r\n"
 #: Beginnings of files that people mistake for MCAP, and what to do with them.
 OTHER_FILES = {
-    b"#ROSBAG": "a ROS 1 bag; convert it first: mcap convert IN.bag OUT.mcap",
-    b"SQLite format 3": "a ROS 2 sqlite3 bag; convert it first: mcap convert IN.db3 OUT.mcap",
+    b"#ROSBAG": "a ROS 1 bag; convert it first: placecue convert source=rosbag",
+    b"SQLite format 3": "a ROS 2 sqlite3 bag; convert it first: placecue convert source=rosbag",
     b"\x1f\x8b": "gzip-compressed; unpack it first",
 }
 
@@ -51,6 +44,8 @@ class Topic:
         Ids of its channels; several where several nodes published.
     count : int or None
         Number of messages; None where the file does not say.
+    depth : bool
+        Whether its images are depth images.
     """
 
     name: str
@@ -58,40 +53,11 @@ class Topic:
     encoding: str
     channels: tuple[int, ...]
     count: int | None
+    depth: bool = False
 
     def __str__(self) -> str:
         count = "?" if self.count is None else str(self.count)
         return f"{self.name} ({self.schema or 'no schema'}, {count} messages)"
-
-
-@dataclass(slots=True)
-class Contents:
-    """What an MCAP file holds, from its summary or from a look through all of it.
-
-    Attributes
-    ----------
-    schemas, channels : dict
-        Records by id.
-    counts : dict of int to int, or None
-        Number of messages by channel id, where known.
-    start, end : int
-        Log times of the first and last message, ns.
-    chunks : list of ChunkIndex
-        Where the chunks are; empty where the file must be read from front to back.
-    metadata : dict of str to dict
-        Metadata records by name.
-    damage : Damage or None
-        Where a file without a good end stops being readable.
-    """
-
-    schemas: dict[int, Schema] = field(default_factory=dict)
-    channels: dict[int, Channel] = field(default_factory=dict)
-    counts: Counter[int] | None = None
-    start: int = 0
-    end: int = 0
-    chunks: list[ChunkIndex] = field(default_factory=list)
-    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    damage: Damage | None = None
 
 
 class LogFile:
@@ -105,16 +71,17 @@ class LogFile:
     Raises
     ------
     DataError
-        If it is missing, empty or not MCAP.
+        If it is missing, empty or not MCAP, or cut off before its first message.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         self.size = _checked_size(self.path)
-        self.contents = _from_summary(self.path) or _survey(self.path, self.size)
+        self.contents: Contents = read_contents(self.path, self.size)
         self._told_of_chunks = False
+        self._sound: set[int] = set()
         if self.contents.damage is not None:
-            self._tell_cut(self.contents.damage)
+            self._tell_cut(self.contents.damage, (self.contents.counts or Counter()).total())
 
     def topics(self) -> list[Topic]:
         """Return the topics in order of name; one that changes its schema appears twice."""
@@ -156,9 +123,12 @@ class LogFile:
                     and chunk.message_start_time < until
                     and _may_hold(chunk, wanted)
                 ]
-                found: Iterator[McapRecord] = indexed.messages(file, chunks, wanted, damaged.append)
+                found: Iterator[McapRecord] = indexed.messages(
+                    file, chunks, wanted, damaged.append, self._sound
+                )
             else:
-                found = _until_damage(linear.records(file, self.size))
+                # What is damaged was told when the file was opened.
+                found = linear.records(file, self.size, lambda damage: None, wanted)
             for record in found:
                 if (
                     isinstance(record, Message)
@@ -176,19 +146,35 @@ class LogFile:
     def _tell_chunks(self, damaged: list[Damage]) -> None:
         if damaged and not self._told_of_chunks:
             self._told_of_chunks = True
+            lost = [damage.lost for damage in damaged]
+            known = None if None in lost else sum(each or 0 for each in lost)
             log.warning(
-                f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged "
-                f"and left out, the first at byte {damaged[0].offset} ({damaged[0].reason})"
+                f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged, "
+                f"the first at byte {damaged[0].offset} ({damaged[0].reason}); {_lost(known)}, "
+                "and what is left of them may be wrong"
             )
 
-    def _tell_cut(self, damage: Damage) -> None:
-        total = (self.contents.counts or Counter()).total()
-        seconds = (self.contents.end - self.contents.start) * 1e-9
+    def _tell_cut(self, damage: Damage, messages: int) -> None:
+        contents = self.contents
+        seconds = (contents.end - contents.start) * 1e-9
+        place = f"byte {damage.offset} of {self.size} ({damage.reason})"
+        if not messages:
+            raise DataError(
+                f"{self.path} is cut off or damaged before its first message: nothing can be read "
+                f"past {place}"
+            ) from damage
+        more = len(contents.damages) - 1
         log.warning(
-            f"{self.path} is cut off or damaged: read {total} messages over {seconds:.1f} s, up to "
-            f"byte {damage.offset} of {self.size} ({damage.reason}); 'mcap recover' makes a whole "
-            "file of what is left"
+            f"{self.path} is cut off or damaged: read {messages} messages over {seconds:.1f} s, "
+            f"but not at {place}{f' and in {more} places behind it' if more else ''}; "
+            f"{_lost(contents.lost)}; 'mcap recover' makes a whole file of what is left"
         )
+
+
+def _lost(count: int | None) -> str:
+    if count is None:
+        return "how many messages are lost is not known"
+    return f"{count or 'no'} message{'s are' if count != 1 else ' is'} lost"
 
 
 def _checked_size(path: Path) -> int:
@@ -209,79 +195,6 @@ def _checked_size(path: Path) -> int:
             + (f"it is {hint})" if hint else f"it begins with {start[:8]!r})")
         )
     return size
-
-
-def _from_summary(path: Path) -> Contents | None:
-    """Return what the summary says, or None where there is none to rely on."""
-    with path.open("rb") as file:
-        try:
-            reader = SeekingReader(file, record_size_limit=path.stat().st_size)
-            summary = reader.get_summary()
-            if summary is None or not _complete(summary):
-                return None
-            metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-        except Exception as error:  # a parser fed with damaged bytes may raise anything
-            log.debug("%s: no usable summary (%s)", path, linear.describe(error))
-            return None
-    statistics = summary.statistics
-    return Contents(
-        schemas=summary.schemas,
-        channels=summary.channels,
-        counts=None if statistics is None else Counter(statistics.channel_message_counts),
-        start=min(chunk.message_start_time for chunk in summary.chunk_indexes),
-        end=max(chunk.message_end_time for chunk in summary.chunk_indexes),
-        chunks=summary.chunk_indexes,
-        metadata=metadata,
-    )
-
-
-def _complete(summary: Summary) -> bool:
-    """Tell whether a summary has all that reading by index takes."""
-    known = all(
-        channel.schema_id == 0 or channel.schema_id in summary.schemas
-        for channel in summary.channels.values()
-    )
-    held = {number for chunk in summary.chunk_indexes for number in chunk.message_index_offsets}
-    statistics = summary.statistics
-    if statistics is not None:
-        held |= set(statistics.channel_message_counts)
-        known = known and statistics.chunk_count == len(summary.chunk_indexes)
-    return (
-        bool(summary.chunk_indexes)
-        and known
-        and bool(summary.channels)
-        and held <= set(summary.channels)
-    )
-
-
-def _survey(path: Path, size: int) -> Contents:
-    """Look through the whole file and note what is in it, up to its end or its first damage."""
-    found = Contents(counts=Counter())
-    assert found.counts is not None
-    with path.open("rb") as file:
-        try:
-            for record in linear.records(file, size):
-                if isinstance(record, Message):
-                    first = not found.counts
-                    found.counts[record.channel_id] += 1
-                    found.start = record.log_time if first else min(found.start, record.log_time)
-                    found.end = max(found.end, record.log_time)
-                elif isinstance(record, Schema):
-                    found.schemas[record.id] = record
-                elif isinstance(record, Channel):
-                    found.channels[record.id] = record
-                elif isinstance(record, Metadata):
-                    found.metadata[record.name] = record.metadata
-        except Damage as damage:
-            found.damage = damage
-    return found
-
-
-def _until_damage(records: Iterator[McapRecord]) -> Iterator[McapRecord]:
-    try:
-        yield from records
-    except Damage:  # told when the file was opened
-        return
 
 
 def _may_hold(chunk: ChunkIndex, channels: frozenset[int]) -> bool:

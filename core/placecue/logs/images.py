@@ -5,21 +5,63 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from placecue.errors import UnusableObservation
 from placecue.observation import Image
 
-#: Bytes a pixel, and which of them are red, green and blue; None is grey.
-PIXELS: dict[str, tuple[int, tuple[int, int, int] | None]] = {
-    "mono8": (1, None),
-    "8uc1": (1, None),
-    "rgb8": (3, (0, 1, 2)),
-    "bgr8": (3, (2, 1, 0)),
-    "8uc3": (3, (2, 1, 0)),
-    "rgba8": (4, (0, 1, 2)),
-    "bgra8": (4, (2, 1, 0)),
-    "8uc4": (4, (2, 1, 0)),
+
+@dataclass(frozen=True, slots=True)
+class PixelFormat:
+    """How pixels lie in memory.
+
+    Parameters
+    ----------
+    channels : int
+        Numbers a pixel.
+    order : tuple of 3 int, or None
+        Which of them are red, green and blue; None where the only one is grey.
+    depth : int
+        Bits a number: 8 or 16. Of 16 the upper 8 are taken.
+    code : str or None
+        OpenCV's name of the conversion to RGB, for mosaics and YUV.
+    """
+
+    channels: int
+    order: tuple[int, int, int] | None = None
+    depth: int = 8
+    code: str | None = None
+
+
+RGB, BGR = (0, 1, 2), (2, 1, 0)
+MOSAICS = ("rggb", "bggr", "gbrg", "grbg")
+#: By the names of sensor_msgs/image_encodings, in lower case.
+FORMATS: dict[str, PixelFormat] = {
+    "mono8": PixelFormat(1),
+    "8uc1": PixelFormat(1),
+    "mono16": PixelFormat(1, depth=16),
+    "rgb8": PixelFormat(3, RGB),
+    "bgr8": PixelFormat(3, BGR),
+    "8uc3": PixelFormat(3, BGR),
+    "rgba8": PixelFormat(4, RGB),
+    "bgra8": PixelFormat(4, BGR),
+    "8uc4": PixelFormat(4, BGR),
+    "rgb16": PixelFormat(3, RGB, 16),
+    "bgr16": PixelFormat(3, BGR, 16),
+    "rgba16": PixelFormat(4, RGB, 16),
+    "bgra16": PixelFormat(4, BGR, 16),
+    "uyvy": PixelFormat(2, code="COLOR_YUV2RGB_UYVY"),
+    "yuv422": PixelFormat(2, code="COLOR_YUV2RGB_UYVY"),
+    "yuyv": PixelFormat(2, code="COLOR_YUV2RGB_YUYV"),
+    "yuv422_yuy2": PixelFormat(2, code="COLOR_YUV2RGB_YUYV"),
+    **{
+        f"bayer_{name}{depth}": PixelFormat(1, depth=depth, code=f"COLOR_Bayer{name.upper()}2RGB")
+        for name in MOSAICS
+        for depth in (8, 16)
+    },
 }
+#: Pixel formats of depth images, with the type of a pixel and the length of its unit, m.
+DEPTH_FORMATS: dict[str, tuple[str, float]] = {"16uc1": ("u2", 1e-3), "32fc1": ("f4", 1.0)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +80,8 @@ class RawImage:
         Name of the pixel format, such as ``bgr8`` (see sensor_msgs/image_encodings).
     origin : str
         Where it comes from, for messages.
+    big_endian : bool
+        Byte order of numbers of 16 bits and more.
     """
 
     data: bytes
@@ -46,6 +90,7 @@ class RawImage:
     step: int
     encoding: str
     origin: str = "image"
+    big_endian: bool = False
 
     def __call__(self) -> Image:
         """Convert to RGB (H, W, 3), or to grey (H, W) where the pixels are grey.
@@ -53,20 +98,67 @@ class RawImage:
         Raises
         ------
         UnusableObservation
-            If the pixel format is not known, or there are too few bytes.
+            If the pixel format is not known or holds no picture, or there are too few bytes.
         """
-        if self.encoding.lower() not in PIXELS:
+        name = self.encoding.lower()
+        if name in DEPTH_FORMATS:
+            raise UnusableObservation(
+                f"{self.origin}: '{self.encoding}' is a depth image and no picture; choose "
+                "another topic with source.image_topic"
+            )
+        if name not in FORMATS:
             raise UnusableObservation(
                 f"{self.origin}: pixel format '{self.encoding}' is not known; "
-                f"known: {', '.join(sorted(PIXELS))}"
+                f"known: {', '.join(sorted(FORMATS))}"
             )
-        depth, order = PIXELS[self.encoding.lower()]
-        step = self.step or self.width * depth
-        if step < self.width * depth or len(self.data) < self.height * step or not self.data:
+        return self._converted(FORMATS[name])
+
+    def depth(self) -> NDArray[np.float32]:
+        """Return a depth image in m, shape (H, W); 0 and NaN are where nothing was measured.
+
+        Raises
+        ------
+        UnusableObservation
+            If the pixel format is not one of depth, or there are too few bytes.
+        """
+        if self.encoding.lower() not in DEPTH_FORMATS:
+            raise UnusableObservation(
+                f"{self.origin}: pixel format '{self.encoding}' is not depth; "
+                f"depth are: {', '.join(sorted(DEPTH_FORMATS))}"
+            )
+        kind, unit = DEPTH_FORMATS[self.encoding.lower()]
+        return (self._numbers(kind, 1)[:, :, 0] * np.float32(unit)).astype(np.float32)
+
+    def _converted(self, format: PixelFormat) -> Image:
+        pixels = self._numbers(f"u{format.depth // 8}", format.channels)
+        if format.depth == 16:
+            pixels = (pixels >> 8).astype(np.uint8)
+        if format.code is not None:
+            return self._by_opencv(np.ascontiguousarray(pixels), format.code)
+        chosen = pixels[:, :, 0] if format.order is None else pixels[:, :, format.order]
+        return np.ascontiguousarray(chosen, dtype=np.uint8)
+
+    def _by_opencv(self, pixels: NDArray[np.uint8], code: str) -> Image:
+        import cv2
+
+        try:
+            return np.asarray(cv2.cvtColor(pixels, getattr(cv2, code)), dtype=np.uint8)
+        except cv2.error as error:  # such as an odd width in YUV
+            raise UnusableObservation(
+                f"{self.origin}: {self.width} x {self.height} pixels of {self.encoding} do not "
+                f"convert: {' '.join(error.err.split())}"
+            ) from error
+
+    def _numbers(self, kind: str, channels: int) -> NDArray[np.uint8]:
+        """Return the pixels, shape (H, W, channels)."""
+        type_ = np.dtype(f"{'>' if self.big_endian else '<'}{kind}")
+        width = self.width * channels * type_.itemsize
+        step = self.step or width
+        if step < width or len(self.data) < self.height * step or not self.data or not width:
             raise UnusableObservation(
                 f"{self.origin}: {len(self.data)} bytes are not {self.width} x {self.height} "
                 f"pixels of {self.encoding} in rows of {step}"
             )
         rows = np.frombuffer(self.data, np.uint8, self.height * step).reshape(self.height, step)
-        pixels = rows[:, : self.width * depth].reshape(self.height, self.width, depth)
-        return np.ascontiguousarray(pixels[:, :, 0] if order is None else pixels[:, :, order])
+        pixels = np.ascontiguousarray(rows[:, :width]).view(type_)
+        return pixels.reshape(self.height, self.width, channels)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from placecue.errors import PlacecueError
 from placecue.logs import topics
 from placecue.logs.container import Topic
 from placecue.logs.reader import McapLog
-from placecue.observation import PARTS, Part
+from placecue.logs.timing import Gap, largest_gaps
+from placecue.logs.trail import Point, Trail
+from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 
 
@@ -27,6 +28,8 @@ class TopicSummary:
         Number of messages, where known.
     rate : float or None
         Messages a second over the whole log, where known.
+    gap : Gap or None
+        The longest time without a message; None where there are fewer than two.
     gives : str
         What it could give: image, scan, pose, label, transform, or nothing.
     used : bool
@@ -38,6 +41,7 @@ class TopicSummary:
     encoding: str
     count: int | None
     rate: float | None
+    gap: Gap | None
     gives: str
     used: bool
 
@@ -91,8 +95,9 @@ class LogSummary:
     observations : int or None
         How many observations it makes, where known.
     labels : mapping of str to int
-        Observations by label; those without one under the empty text. Empty where labels were
-        not counted.
+        Observations by label; those without one under the empty text.
+    trail : sequence of (x, y, label)
+        The way of the robot, m; empty where there are no poses.
     problem : str or None
         Why it cannot be read as it is.
     """
@@ -109,21 +114,26 @@ class LogSummary:
     metadata: Mapping[str, str] = field(default_factory=dict)
     observations: int | None = None
     labels: Mapping[str, int] = field(default_factory=dict)
+    trail: Sequence[Point] = ()
     problem: str | None = None
 
+    @property
+    def coverage(self) -> float | None:
+        """Share of the observations that have a label, in [0, 1]; None where there are none."""
+        if not self.observations:
+            return None
+        return 1.0 - self.labels.get("", 0) / self.observations
 
-def summarise(path: str, count_labels: bool = True, **options: Any) -> LogSummary:
-    """Look at a log.
+
+def summarise(log: McapLog, label: Callable[[Observation], str | None] | None = None) -> LogSummary:
+    """Look at a log: at its index, and at the poses and labels of its observations.
 
     Parameters
     ----------
-    path : str
-        The file.
-    count_labels : bool
-        Whether to go through the log for the labels of its observations; nothing but labels is
-        decoded.
-    **options
-        Options of :class:`McapLog`, such as chosen topics.
+    log : McapLog
+        The log, perhaps with chosen topics.
+    label : callable, optional
+        Gives the label of an observation that has only pose and label; its own by default.
 
     Returns
     -------
@@ -135,26 +145,29 @@ def summarise(path: str, count_labels: bool = True, **options: Any) -> LogSummar
     DataError
         If the file is missing or not MCAP.
     """
-    log = McapLog(str(path), **options)
     contents = log.file.contents
-    available = log.file.topics()
     duration = (contents.end - contents.start) * 1e-9
-    parts = tuple(_part(log, part, available) for part in PARTS)
-    problem, observations, labels = _observations(log, count_labels)
+    parts = tuple(_part(log, part, log.topics) for part in PARTS)
     used = {name for part in parts for name in part.topics}
+    gaps = largest_gaps(log.file, log.topics)
+    problem, labels, trail = _observations(log, label or (lambda observation: observation.label))
     return LogSummary(
-        path=str(path),
+        path=str(log.path),
         size=log.file.size,
         start=contents.start,
         end=contents.end,
         duration=duration,
         whole=contents.damage is None,
         indexed=bool(contents.chunks),
-        topics=tuple(_topic(topic, duration, topic.name in used) for topic in available),
+        topics=tuple(
+            _topic(topic, duration, gaps.get(topic.name), topic.name in used)
+            for topic in log.topics
+        ),
         parts=parts,
         metadata=log.metadata,
-        observations=observations,
+        observations=None if problem else labels.total(),
         labels=labels,
+        trail=trail,
         problem=problem,
     )
 
@@ -169,20 +182,23 @@ def _part(log: McapLog, part: Part, available: list[Topic]) -> PartSummary:
     return PartSummary(part, tuple(topic.name for topic in choice.topics), choice.reason, True)
 
 
-def _topic(topic: Topic, duration: float, used: bool) -> TopicSummary:
+def _topic(topic: Topic, duration: float, gap: Gap | None, used: bool) -> TopicSummary:
     rate = topic.count / duration if topic.count and duration > 0 else None
     gives = topics.role_of(topic) or "nothing"
-    return TopicSummary(topic.name, topic.schema, topic.encoding, topic.count, rate, gives, used)
+    schema, encoding = topic.schema, topic.encoding
+    return TopicSummary(topic.name, schema, encoding, topic.count, rate, gap, gives, used)
 
 
-def _observations(log: McapLog, count_labels: bool) -> tuple[str | None, int | None, Counter[str]]:
+def _observations(
+    log: McapLog, label: Callable[[Observation], str | None]
+) -> tuple[str | None, Counter[str], Sequence[Point]]:
+    labels: Counter[str] = Counter()
+    trail = Trail()
     try:
-        expected = log.count()
-        if not count_labels:
-            return None, expected, Counter()
-        labels = Counter(
-            label or "" for label in track(log.labels_only(), "counting labels", expected)
-        )
+        for each in track(log.trail(), "reading poses and labels", log.count()):
+            named = each.relabelled(label(each))
+            labels[named.label or ""] += 1
+            trail.add(named)
     except PlacecueError as error:
-        return str(error), None, Counter()
-    return None, labels.total(), labels
+        return str(error), Counter(), ()
+    return None, labels, trail.points

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import Self
 from uuid import uuid4
 
+from mcap.records import Attachment, Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
 
 from placecue.errors import DataError, UsageError, choices
@@ -64,6 +65,8 @@ class Output:
             ) from error
         self._schemas: dict[str, int] = {}
         self._channels: dict[tuple[str, str], int] = {}
+        self._copied: dict[int, int] = {}
+        self._copied_schemas: dict[int, int] = {}
         self._writer = Writer(
             self._file, chunk_size=chunk_size, compression=COMPRESSIONS[compression]
         )
@@ -78,6 +81,52 @@ class Output:
         data = written.type.serialise(written.message)
         channel = self._channel(written.topic, written.type)
         self._writer.add_message(channel, log_time=stamp, data=data, publish_time=stamp)
+
+    def copy(
+        self, message: Message, channels: Mapping[int, Channel], schemas: Mapping[int, Schema]
+    ) -> None:
+        """Write a message of another file as it is.
+
+        Parameters
+        ----------
+        message : Message
+            The message.
+        channels, schemas : mapping of int to record
+            Those of the other file, by id.
+        """
+        number = message.channel_id
+        if number not in self._copied:
+            channel = channels[number]
+            schema = self._copied_schema(schemas.get(channel.schema_id))
+            self._copied[number] = self._writer.register_channel(
+                channel.topic, channel.message_encoding, schema, channel.metadata
+            )
+        self._writer.add_message(
+            self._copied[number],
+            message.log_time,
+            message.data,
+            message.publish_time,
+            message.sequence,
+        )
+
+    def attach(self, attachment: Attachment) -> None:
+        """Write an attachment."""
+        self._writer.add_attachment(
+            attachment.create_time,
+            attachment.log_time,
+            attachment.name,
+            attachment.media_type,
+            attachment.data,
+        )
+
+    def _copied_schema(self, schema: Schema | None) -> int:
+        if schema is None:
+            return 0
+        if schema.id not in self._copied_schemas:
+            self._copied_schemas[schema.id] = self._writer.register_schema(
+                schema.name, schema.encoding, schema.data
+            )
+        return self._copied_schemas[schema.id]
 
     def _channel(self, topic: str, type: MessageType) -> int:
         key = (topic, type.name)

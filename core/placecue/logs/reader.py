@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.logs import mounting, topics
+from placecue.logs import depth, mounting, topics
 from placecue.logs.container import LogFile, Topic
 from placecue.logs.geometry import TransformTree
 from placecue.logs.items import TopicReader
@@ -24,11 +24,13 @@ from placecue.source import Source
 
 
 class McapLog(Source):
-    """One MCAP file: ROS 2 (CDR) or Foxglove JSON messages, joined to observations by time.
+    """One MCAP file: ROS 1, ROS 2 or Foxglove messages, joined to observations by time.
 
     Each image makes an observation, or each scan where there are no images, with the nearest
     scan, the pose interpolated to its time, and the label in force. Times are those of the
-    message headers; the log time stands in where a header has none. Topics are chosen by schema.
+    message headers; the log time stands in where a header has none. Where that clock jumps back,
+    observations go on at the earlier time. Topics are chosen by schema; where there is no laser,
+    a depth camera gives virtual scans.
     Nothing is decoded that is not asked for, and memory does not grow with the log.
 
     Parameters
@@ -116,6 +118,11 @@ class McapLog(Source):
         return self.file.contents.metadata.get("placecue", {})
 
     @cached_property
+    def topics(self) -> list[Topic]:
+        """The topics of the log."""
+        return depth.marked(self.file)
+
+    @cached_property
     def choices(self) -> dict[Part, Choice]:
         """Which topic gives which part.
 
@@ -126,7 +133,7 @@ class McapLog(Source):
         DataError
             If there is neither an image nor a scan topic.
         """
-        available = self.file.topics()
+        available = self.topics
         wanted = topics.check_parts(PARTS if self.parts is None else self.parts)
         chosen: dict[Part, Choice] = {}
         for part in wanted:
@@ -161,6 +168,9 @@ class McapLog(Source):
         assert scans is not None  # asked only where scans are read
         laser = self.laser_frame or self._frame_of_first(scans)
         tree = self._tree(laser)
+        if scans.depth and tree.transforms:
+            tree.add(depth.looking_ahead(laser))
+            laser = depth.looking_ahead(laser).child
         return mounting.find_mounting(tree, laser, self.base_frame, self.range_max, str(self.path))
 
     # The observations.
@@ -179,9 +189,9 @@ class McapLog(Source):
             reading.faults.report()
             self._faults_told = True
 
-    def labels_only(self) -> Iterator[str | None]:
-        """Yield the label of each observation in order of time, decoding nothing else."""
-        return self._reading().labels()
+    def trail(self) -> Iterator[Observation]:
+        """Yield the observations with nothing but pose and label, decoding nothing else."""
+        return self._reading().trail()
 
     def digest(self) -> str:
         """Return a SHA-256 of the file, and of the options where they are not the default ones.
@@ -203,12 +213,12 @@ class McapLog(Source):
         content = self.file.digest()
         options = {
             name: getattr(self, name)
-            for name, default in _DEFAULTS.items()
+            for name, default in defaults_of(type(self)).items()
             if name != "parts" and getattr(self, name) != default
         }
         if self.labels is not None:
             options["labels"] = hashlib.sha256(repr(self.intervals).encode()).hexdigest()
-        images = any(topics.role_of(each) == "image" for each in self.file.topics())
+        images = any(topics.role_of(each) == "image" for each in self.topics)
         if images and self.driver == "scan":
             options["driver"] = "scan"  # another choice of parts would have taken the images
         if not options:
@@ -229,6 +239,10 @@ class McapLog(Source):
         if part == "pose" and chosen and topics.role_of(chosen[0]) == "transform":
             tree = self._tree(None)
             return mounting.pose_readers(self.file, chosen, tree, self.base_frame, self.pose_frame)
+        if part == "scan" and chosen and chosen[0].depth:
+            return [
+                depth.DepthReader(self.file, chosen[0], self.file.topics(), self.mounting.place)
+            ]
         finish = self.mounting.place if part == "scan" and chosen else None
         return [TopicReader(self.file, topic, finish) for topic in chosen]
 
@@ -292,8 +306,13 @@ def _described(topic: Topic) -> str:
     return f"{topic.name} ({topic.encoding} {topic.schema or 'without schema'}, {count} messages)"
 
 
-_DEFAULTS: dict[str, Any] = {
-    parameter.name: parameter.default
-    for parameter in signature(McapLog).parameters.values()
-    if parameter.default is not parameter.empty
-}
+def defaults_of(kind: type[McapLog]) -> dict[str, Any]:
+    """Return the options of a kind of log with their defaults."""
+    return {
+        parameter.name: parameter.default
+        for parameter in signature(kind).parameters.values()
+        if parameter.default is not parameter.empty
+    }
+
+
+_DEFAULTS = defaults_of(McapLog)

@@ -53,7 +53,6 @@ class Reading:
     ) -> None:
         self.file = file
         self.readers = {number: reader for reader in readers for number in reader.topic.channels}
-        self.window = window
         self.since = since
         self.until = until
         self.faults = Faults(str(file.path))
@@ -70,18 +69,29 @@ class Reading:
             if observation is not None:
                 yield observation
 
-    def labels(self) -> Iterator[str | None]:
-        """Yield the label of each observation in order of time, decoding nothing else."""
-        return map(self._assembler.label, self._matches())
+    def trail(self) -> Iterator[Observation]:
+        """Yield the observations with nothing but pose and label, decoding nothing else."""
+        return map(self._assembler.place, self._matches())
 
     def _matches(self) -> Iterator[Match]:
         synchroniser = self._synchroniser
         for item in self._items():
             yield from synchroniser.push(item)
         yield from synchroniser.finish()
+        self._tell_of_time()
+
+    def _tell_of_time(self) -> None:
+        synchroniser, drivers = self._synchroniser, f"{self._synchroniser.driver}s"
+        at = {what: f"at stamp {stamp}" for what, stamp in synchroniser.first.items()}
         if synchroniser.late:
-            kind = f"{synchroniser.driver}s came more than {self.window:g} s late and were left out"
-            self.faults.add(kind, "raise source.window to keep them", synchroniser.late)
+            kind = f"{drivers} came behind ones of a later time and were left out"
+            self.faults.add(kind, at["late"], synchroniser.late)
+        if synchroniser.jumps:
+            kind = f"jumps back in the time of {drivers}, which is not in order there"
+            self.faults.add(kind, at["jump"], synchroniser.jumps)
+        if synchroniser.repeated:
+            kind = f"{drivers} have the stamp of the one before"
+            self.faults.add(kind, at["repeated"], synchroniser.repeated)
 
     def _items(self) -> Iterator[Item]:
         labels = [number for number, reader in self.readers.items() if reader.role == "label"]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from mcap_ros2._dynamic import serialize_dynamic  # mcap_ros2.writer cannot take other encodings
 
+from placecue.logs.cdr import serialise
 from placecue.logs.geometry import quaternion
 from placecue.logs.messages import (
     BASE_FRAME,
@@ -19,57 +19,15 @@ from placecue.logs.messages import (
     seconds,
     spacing,
 )
+from placecue.logs.ros_definitions import definition
 from placecue.observation import LaserScan, Pose2D
-
-#: Fields of each message, as in ROS 2's own .msg files.
-FIELDS: dict[str, str] = {
-    "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",
-    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
-    "std_msgs/String": "string data",
-    "sensor_msgs/CompressedImage": "std_msgs/Header header\nstring format\nuint8[] data",
-    "sensor_msgs/LaserScan": (
-        "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\n"
-        "float32 time_increment\nfloat32 scan_time\nfloat32 range_min\nfloat32 range_max\n"
-        "float32[] ranges\nfloat32[] intensities"
-    ),
-    "nav_msgs/Odometry": (
-        "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
-        "geometry_msgs/TwistWithCovariance twist"
-    ),
-    "geometry_msgs/PoseWithCovariance": "geometry_msgs/Pose pose\nfloat64[36] covariance",
-    "geometry_msgs/Pose": "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation",
-    "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z",
-    "geometry_msgs/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1",
-    "geometry_msgs/TwistWithCovariance": "geometry_msgs/Twist twist\nfloat64[36] covariance",
-    "geometry_msgs/Twist": "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular",
-    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z",
-    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped[] transforms",
-    "geometry_msgs/TransformStamped": (
-        "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform"
-    ),
-    "geometry_msgs/Transform": (
-        "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation"
-    ),
-}
-SEPARATOR = "\n" + "=" * 80 + "\n"
-
-
-def definition(name: str) -> str:
-    """Return the full definition of a message, followed by those of the messages inside it."""
-    order = [name]
-    for each in order:  # grows while it is walked
-        types = {line.split()[0].split("[")[0]: None for line in FIELDS[each].splitlines()}
-        order += [inner for inner in types if inner in FIELDS and inner not in order]
-    inner = (f"MSG: {each}\n{FIELDS[each]}" for each in order[1:])
-    return SEPARATOR.join([FIELDS[name], *inner]) + "\n"
 
 
 @cache
 def message_type(name: str) -> MessageType:
     """Return the type of a message by its short name, such as ``sensor_msgs/LaserScan``."""
     full, text = name.replace("/", "/msg/"), definition(name)
-    encoder = serialize_dynamic(full, text)[full]
-    return MessageType(full, "cdr", "ros2msg", text.encode(), encoder)
+    return MessageType(full, "cdr", "ros2msg", text.encode(), partial(serialise, name))
 
 
 class Ros2Dialect(Dialect):
@@ -93,7 +51,7 @@ class Ros2Dialect(Dialect):
         """Return a sensor_msgs/LaserScan; ranges are rounded to float32."""
         some = len(scan.angles) > 0
         with np.errstate(over="ignore"):
-            ranges = scan.ranges.astype(np.float32).tolist()
+            ranges = scan.ranges.astype(np.float32)
         fields = {
             "header": _header(stamp, LASER_FRAME),
             "angle_min": float(scan.angles[0]) if some else 0.0,

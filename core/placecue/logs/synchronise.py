@@ -8,8 +8,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import pi
 
+from placecue.logs.clock import Clock
 from placecue.logs.items import Item
 from placecue.observation import Part, Pose2D
+
+#: So few items of a topic are kept, however old they are.
+FEW = 16
 
 
 def _stamp(item: Item) -> int:
@@ -33,10 +37,19 @@ class Track:
         return self.newest is not None and self.newest >= stamp
 
     def forget_before(self, stamp: int) -> None:
-        """Drop what lies before a time, but for the last item of it."""
+        """Drop what lies before a time, but for the last item of it, once it is worth it."""
+        if len(self.items) < FEW:
+            return
         keep = bisect_right(self.items, stamp, key=_stamp) - 1
         if keep > 0:
             del self.items[:keep]
+
+    def forget_after(self, stamp: int) -> Item | None:
+        """Drop what lies after a time; return the last item dropped, or None."""
+        kept = bisect_right(self.items, stamp, key=_stamp)
+        dropped = self.items[kept:]
+        del self.items[kept:]
+        return dropped[-1] if dropped else None
 
     def around(self, stamp: int) -> tuple[Item | None, Item | None]:
         """Return the last item at or before a time and the first one after it."""
@@ -82,7 +95,9 @@ class Synchroniser:
     """Joins items to matches, in order of time.
 
     Items may come up to ``window`` later than others of the same time. A driver waits until
-    every follower has got as far as its own time, but no longer than the window.
+    every follower has got as far as its own time, but no longer than the window. Where the clock
+    of the drivers jumps back by more than the window, matches go on from there: what waits is
+    given first, what followers hold of the time after it is forgotten, and the label stays.
 
     Parameters
     ----------
@@ -101,6 +116,12 @@ class Synchroniser:
     ----------
     late : int
         How many drivers came too late to keep the order and were left out.
+    jumps : int
+        How often the clock of the drivers jumped.
+    repeated : int
+        How many drivers have the stamp of the one before.
+    first : dict of str to int
+        Where ``late``, ``jump`` and ``repeated`` were first seen, ns.
     """
 
     def __init__(
@@ -112,6 +133,10 @@ class Synchroniser:
         self.window = window
         self.pose_gap = pose_gap
         self.late = 0
+        self.jumps = 0
+        self.repeated = 0
+        self.first: dict[str, int] = {}
+        self._clock = Clock(window)
         self._tracks: dict[str, Track] = {part: Track() for part in (*self.followers, "label")}
         self._waiting: list[tuple[int, int, Item]] = []  # stamp, running number, driver
         self._number = 0
@@ -120,8 +145,13 @@ class Synchroniser:
     def push(self, item: Item) -> Iterator[Match]:
         """Take in an item and yield the matches that it completes."""
         if item.role == self.driver:
-            heapq.heappush(self._waiting, (item.stamp, self._number, item))
-            self._number += 1
+            tick = self._clock.tick(item)
+            self._leave_out(tick.late)
+            if tick.since is not None:
+                yield from self._jump(tick.since, tick.wild)
+            for each in tick.items:
+                heapq.heappush(self._waiting, (each.stamp, self._number, each))
+                self._number += 1
         else:
             self._tracks[item.role].add(item)
         while self._waiting and self._ready(self._waiting[0][0], item.stamp):
@@ -130,8 +160,28 @@ class Synchroniser:
 
     def finish(self) -> Iterator[Match]:
         """Yield the matches of the drivers that still wait."""
+        self._leave_out(self._clock.finish())
         while self._waiting:
             yield from self._pop()
+
+    def _leave_out(self, item: Item | None) -> None:
+        if item is not None:
+            self.late += 1
+            self.first.setdefault("late", item.stamp)
+
+    def _jump(self, since: int, wild: bool) -> Iterator[Match]:
+        """Go on at an earlier time."""
+        self.jumps += 1
+        self.first.setdefault("jump", since)
+        if not wild:
+            while self._waiting:
+                yield from self._pop()
+            label = self._tracks["label"]
+            for track in self._tracks.values():
+                dropped = track.forget_after(since + self.window)
+                if track is label and dropped is not None and not label.around(since)[0]:
+                    label.add(Item(since, "label", dropped.value))
+        self._last = None
 
     def _ready(self, stamp: int, now: int) -> bool:
         if now - stamp >= self.window:
@@ -141,8 +191,11 @@ class Synchroniser:
     def _pop(self) -> Iterator[Match]:
         stamp, _, item = heapq.heappop(self._waiting)
         if self._last is not None and stamp < self._last:
-            self.late += 1
+            self._leave_out(item)
             return
+        if stamp == self._last:
+            self.repeated += 1
+            self.first.setdefault("repeated", stamp)
         self._last = stamp
         scan = self._tracks.get("scan")
         yield Match(

@@ -14,6 +14,9 @@ from placecue.observation import PARTS, Part
 #: logs are full of other strings (robot descriptions, speech, status).
 LABEL_WORDS = ("label", "place", "room")
 
+#: What else may give a part, where it is asked for or there is nothing better.
+STAND_INS: Mapping[str, tuple[str, ...]] = {"pose": ("transform",), "scan": ("depth",)}
+
 WORDS: Mapping[str, str] = {
     "image": "an image",
     "scan": "a laser scan",
@@ -47,7 +50,12 @@ class Choice:
 
 
 def role_of(topic: Topic) -> str | None:
-    """Return what the messages of a topic can give, or None where there is no adapter."""
+    """Return what the messages of a topic can give, or None where there is no adapter.
+
+    Depth images give ``depth``, which is a scan where there is no laser.
+    """
+    if topic.depth:
+        return "depth"
     adapter = adapter_for(topic.encoding, topic.schema)
     return None if adapter is None else adapter.role
 
@@ -88,6 +96,11 @@ def choose(part: Part, topics: Sequence[Topic], wanted: str | None, where: str) 
             f"{where} has {len(candidates)} topics with {WORDS[part]}: {_listed(candidates)}; "
             f"choose one, such as source.{part}_topic={_largest(candidates).name}"
         )
+    seen = [topic for topic in topics if part == "scan" and role_of(topic) == "depth"]
+    if len(seen) == 1:
+        return Choice(part, tuple(seen), "a virtual scan of depth images, as there is no laser")
+    if seen:
+        return Choice(part, (), f"several depth topics, name one: source.scan_topic={seen[0].name}")
     moving = [t for t in transforms(topics) if part == "pose" and "static" not in t.name]
     if moving:
         return Choice(part, tuple(moving), "transforms, as there is no pose topic")
@@ -101,7 +114,7 @@ def _wanted(part: Part, topics: Sequence[Topic], wanted: str, where: str) -> Cho
         raise UsageError(
             f"{option}: no such topic in {where}; {choices(wanted, (t.name for t in topics))}"
         )
-    roles = {part, "transform"} if part == "pose" else {part}
+    roles = {part, *STAND_INS.get(part, ())}
     fitting = [topic for topic in named if role_of(topic) in roles]
     if not fitting:
         others = [topic for topic in topics if role_of(topic) in roles]

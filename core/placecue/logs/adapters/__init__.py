@@ -25,22 +25,29 @@ from placecue.logs.adapters.ros import (
 
 __all__ = ["ADAPTERS", "Adapter", "adapter_for"]
 
+ROS: dict[str, Adapter] = {
+    "sensor_msgs/CompressedImage": RosCompressedImage(),
+    "sensor_msgs/Image": RosImage(),
+    "sensor_msgs/LaserScan": RosLaserScan(),
+    "nav_msgs/Odometry": RosOdometry(),
+    "geometry_msgs/PoseStamped": RosPoseStamped(),
+    "geometry_msgs/PoseWithCovarianceStamped": RosPoseWithCovarianceStamped(),
+    "tf2_msgs/TFMessage": RosTransforms(),
+    "tf/tfMessage": RosTransforms(),
+    "std_msgs/String": RosString(),
+}
+FOXGLOVE: dict[str, Adapter] = {
+    "foxglove.CompressedImage": FoxgloveCompressedImage(),
+    "foxglove.RawImage": FoxgloveRawImage(),
+    "foxglove.LaserScan": FoxgloveLaserScan(),
+    "foxglove.PoseInFrame": FoxglovePoseInFrame(),
+    "foxglove.FrameTransform": FoxgloveFrameTransform(),
+    "foxglove.FrameTransforms": FoxgloveFrameTransforms(),
+}
 #: By message encoding and schema name (without the ``/msg`` of ROS 2).
 ADAPTERS: dict[tuple[str, str], Adapter] = {
-    ("cdr", "sensor_msgs/CompressedImage"): RosCompressedImage(),
-    ("cdr", "sensor_msgs/Image"): RosImage(),
-    ("cdr", "sensor_msgs/LaserScan"): RosLaserScan(),
-    ("cdr", "nav_msgs/Odometry"): RosOdometry(),
-    ("cdr", "geometry_msgs/PoseStamped"): RosPoseStamped(),
-    ("cdr", "geometry_msgs/PoseWithCovarianceStamped"): RosPoseWithCovarianceStamped(),
-    ("cdr", "tf2_msgs/TFMessage"): RosTransforms(),
-    ("cdr", "std_msgs/String"): RosString(),
-    ("json", "foxglove.CompressedImage"): FoxgloveCompressedImage(),
-    ("json", "foxglove.RawImage"): FoxgloveRawImage(),
-    ("json", "foxglove.LaserScan"): FoxgloveLaserScan(),
-    ("json", "foxglove.PoseInFrame"): FoxglovePoseInFrame(),
-    ("json", "foxglove.FrameTransform"): FoxgloveFrameTransform(),
-    ("json", "foxglove.FrameTransforms"): FoxgloveFrameTransforms(),
+    **{(encoding, name): each for encoding in ("cdr", "ros1") for name, each in ROS.items()},
+    **{(encoding, name): e for encoding in ("json", "protobuf") for name, e in FOXGLOVE.items()},
     ("json", "placecue.Label"): PlacecueLabel(),
 }
 

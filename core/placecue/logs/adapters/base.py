@@ -53,6 +53,10 @@ class Adapter(ABC):
         """Return the frame that the message is given in; empty where it does not say."""
         return ""
 
+    def pixels(self, message: Any) -> str:
+        """Return the pixel format of an image; empty where it does not say."""
+        return ""
+
 
 def increasing(
     first: float, step: float, ranges: ArrayLike, origin: str

@@ -1,4 +1,4 @@
-"""Foxglove's own messages in JSON, and placecue's label events."""
+"""Foxglove's own messages, in JSON or protobuf, and placecue's label events in JSON."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from base64 import b64decode
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from placecue.errors import UnusableObservation
 from placecue.logs.adapters.base import Adapter, Role, increasing
@@ -31,6 +32,11 @@ def nanoseconds(time: Any) -> int:
     return int(time["sec"]) * 1_000_000_000 + int(time["nsec"])
 
 
+def content(data: str | bytes) -> bytes:
+    """Return the bytes of a field, which JSON holds in base 64."""
+    return b64decode(data) if isinstance(data, str) else data
+
+
 class FoxgloveCompressedImage(FoxgloveAdapter):
     """foxglove.CompressedImage."""
 
@@ -38,7 +44,7 @@ class FoxgloveCompressedImage(FoxgloveAdapter):
 
     def value(self, message: Any, origin: str) -> EncodedImage:
         """Return the image, undecoded."""
-        return EncodedImage(b64decode(message["data"]), message["format"], origin)
+        return EncodedImage(content(message["data"]), message["format"], origin)
 
 
 class FoxgloveRawImage(FoxgloveAdapter):
@@ -49,7 +55,11 @@ class FoxgloveRawImage(FoxgloveAdapter):
     def value(self, message: Any, origin: str) -> RawImage:
         """Return the image, unconverted."""
         size = (message["height"], message["width"], message["step"])
-        return RawImage(b64decode(message["data"]), *size, message["encoding"], origin)
+        return RawImage(content(message["data"]), *size, message["encoding"], origin)
+
+    def pixels(self, message: Any) -> str:
+        """Return the pixel format."""
+        return str(message["encoding"])
 
 
 class FoxgloveLaserScan(FoxgloveAdapter):
@@ -70,7 +80,7 @@ class FoxgloveLaserScan(FoxgloveAdapter):
         angles, ranges = increasing(
             first,
             (float(message["end_angle"]) - first) / steps,
-            np.array([np.nan if each is None else float(each) for each in lengths]),
+            _lengths(lengths),
             origin,
         )
         return LaserScan(
@@ -109,8 +119,8 @@ class FoxgloveFrameTransforms(Adapter):
 
     def stamp(self, message: Any) -> int:
         """Return the timestamp of the first transform, ns."""
-        first = message["transforms"][:1]
-        return nanoseconds(first[0]["timestamp"]) if first else 0
+        transforms = message["transforms"]
+        return nanoseconds(transforms[0]["timestamp"]) if transforms else 0
 
     def value(self, message: Any, origin: str) -> list[Transform]:
         """Return the transforms."""
@@ -132,6 +142,12 @@ class PlacecueLabel(Adapter):
         if not isinstance(label, str):
             raise UnusableObservation(f"{origin}: the label is {label!r}, not a text")
         return label.strip()
+
+
+def _lengths(lengths: Any) -> NDArray[np.float64]:
+    if not isinstance(lengths, list):  # protobuf has a number for everything
+        return np.array(lengths, dtype=np.float64)
+    return np.array([np.nan if each is None else float(each) for each in lengths])
 
 
 def _planar(pose: Any, frame: str) -> Pose2D:

@@ -44,6 +44,10 @@ class RosCompressedImage(RosAdapter):
         kind = "png" if "png" in message.format.lower() else "jpeg"
         return EncodedImage(bytes(message.data), kind, origin)
 
+    def pixels(self, message: Any) -> str:
+        """Return the format, such as ``rgb8; jpeg compressed bgr8``."""
+        return str(message.format)
+
 
 class RosImage(RosAdapter):
     """sensor_msgs/Image."""
@@ -59,7 +63,12 @@ class RosImage(RosAdapter):
             message.step,
             message.encoding,
             origin,
+            bool(message.is_bigendian),
         )
+
+    def pixels(self, message: Any) -> str:
+        """Return the pixel format."""
+        return str(message.encoding)
 
 
 class RosLaserScan(RosAdapter):

@@ -1,0 +1,208 @@
+"""Bags that are cut or damaged: what is readable is read, and it is said once."""
+
+from __future__ import annotations
+
+import logging
+import random
+import sqlite3
+import struct
+from pathlib import Path
+
+import pytest
+from rosbags import rosbag1
+from rosbags.interfaces import (
+    Connection,
+    ConnectionExtRosbag2,
+    MessageDefinition,
+    MessageDefinitionFormat,
+)
+
+from bags import drive
+from placecue.errors import DataError, PlacecueError
+from placecue.logs.bag import BagFile
+from placecue.logs.bag_definitions import Definitions
+from placecue.logs.rosbag import RosbagLog
+
+
+def held(path: str | Path) -> list[tuple[str, int, bytes]]:
+    """Return topic, log time and bytes of every message."""
+    file = BagFile(path)
+    names = {number: channel.topic for number, channel in file.contents.channels.items()}
+    return [(names[m.channel_id], m.log_time, m.data) for m in file.messages(set(names))]
+
+
+def outcome(path: Path) -> PlacecueError | None:
+    """Read all observations of a bag; return the error that placecue raises, if it does."""
+    try:
+        assert len(list(RosbagLog(str(path)))) < 100
+    except PlacecueError as error:
+        return error
+    return None
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a ROS 1 bag in several chunks, in order of time."""
+    made = drive(1, images=False)
+    made.entries.sort(key=lambda entry: entry[2])
+    return Path(made.as_ros1(tmp_path_factory.mktemp("bag") / "run.bag", chunk=1500))
+
+
+@pytest.mark.parametrize("share", [0.35, 0.5, 0.61, 0.83, 0.9, 0.99])
+def test_a_cut_bag_gives_every_message_before_the_cut(
+    plain: Path, share: float, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = plain.read_bytes()
+    cut = tmp_path / "cut.bag"
+    cut.write_bytes(whole[: 4096 + int(share * (len(whole) - 4096))])
+    every = held(plain)
+    # A message is there if its log time and its bytes are: in a record they stand side by side.
+    places = [cut.read_bytes().find(data) for _, _, data in every]
+    before = [each for each, place in zip(every, places, strict=True) if place >= 0]
+    with caplog.at_level(logging.WARNING):
+        found = held(cut)
+    assert found == every[: len(found)]
+    assert len(found) >= len(before) > 0
+    (record,) = caplog.records
+    assert f"read {len(found)} messages over" in record.message
+    assert "'rosbag reindex' makes a whole bag of it" in record.message
+    observations = list(RosbagLog(str(cut)))
+    assert len(observations) == sum(topic == "/scan" for topic, _, _ in found)
+
+
+def test_the_place_of_the_damage_is_said(
+    plain: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    with rosbag1.Reader(plain) as reader:
+        last = reader.chunk_infos[-1].pos
+    (tmp_path / "cut.bag").write_bytes(plain.read_bytes()[: last + 60])
+    held(tmp_path / "cut.bag")
+    assert f"up to byte {last} of {last + 60}" in caplog.text
+
+
+@pytest.mark.parametrize("compression", ["BZ2", "LZ4"])
+def test_a_cut_bag_in_compressed_chunks(compression: str, tmp_path: Path) -> None:
+    made = drive(1, images=False)
+    made.entries.sort(key=lambda entry: entry[2])
+    path = Path(made.as_ros1(tmp_path / "run.bag", compression, chunk=1500))
+    whole, every = path.read_bytes(), held(path)
+    counts = []
+    for size in range(4500, len(whole), 700):
+        path.write_bytes(whole[:size])
+        try:
+            found = held(path)
+        except DataError:
+            found = []
+        assert found == every[: len(found)]
+        counts.append(len(found))
+    assert counts == sorted(counts)
+    assert counts[-1] == len(every)  # the index is cut, the messages are not
+    assert len(set(counts)) > 4
+
+
+def test_a_bag_that_was_never_closed(plain: Path, tmp_path: Path) -> None:
+    """The recorder writes the place of the index last; until then it is 0."""
+    whole = bytearray(plain.read_bytes())
+    place = whole.index(b"index_pos=") + len(b"index_pos=")
+    (index,) = struct.unpack_from("<Q", whole, place)
+    whole[place : place + 8] = bytes(8)
+    active = tmp_path / "run.bag.active"
+    active.write_bytes(whole[:index])
+    assert held(active) == held(plain)
+
+
+def test_a_bag_cut_before_its_first_message(plain: Path, tmp_path: Path) -> None:
+    (tmp_path / "cut.bag").write_bytes(plain.read_bytes()[:4200])
+    with pytest.raises(DataError, match=r"cut.bag cannot be read as a bag: ") as raised:
+        held(tmp_path / "cut.bag")
+    assert "\n" not in str(raised.value)
+
+
+def test_a_damaged_chunk_of_a_whole_bag(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    made = drive(1, images=False)
+    made.entries.sort(key=lambda entry: entry[2])
+    path = Path(made.as_ros1(tmp_path / "run.bag", "BZ2", chunk=1500))
+    every = held(path)
+    content = bytearray(path.read_bytes())
+    chunks = [i for i in range(len(content)) if content.startswith(b"BZh", i)]
+    content[chunks[2] + 60] ^= 255
+    path.write_bytes(content)
+    found = held(path)
+    assert 0 < len(found) < len(every)
+    assert found == every[: len(found)]
+    (record,) = caplog.records
+    assert "is damaged: it can be read up to" in record.message
+    assert len(list(RosbagLog(str(path)))) > 0
+
+
+def test_a_cut_sqlite_bag(tmp_path: Path) -> None:
+    path = Path(drive(2, steps=60).as_bare_sqlite(tmp_path / "run_0.db3"))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(DataError, match=r"cannot be read as a bag: .*disk image is malformed"):
+        held(path)
+
+
+def test_a_bag_of_unknown_messages_says_so(tmp_path: Path) -> None:
+    path = Path(drive(2, images=False).as_bare_sqlite(tmp_path / "run_0.db3"))
+    with sqlite3.connect(path) as base:
+        base.execute("UPDATE topics SET type = 'my_msgs/msg/Scan' WHERE name = '/scan'")
+    base.close()
+    with pytest.raises(DataError, match=r"holds no image and no scan .*my_msgs/msg/Scan, 12 mess"):
+        list(RosbagLog(str(path)))
+
+
+def test_definitions_in_idl() -> None:
+    rule = "=" * 80 + "\n"
+    one = "module my_msgs { module msg { struct Named { string name; uint8 kind; }; }; };\n"
+    two = (
+        "module my_msgs { module msg { struct Pair { my_msgs::msg::Named first; "
+        "sequence<double> values; }; }; };\n"
+    )
+    for text in (
+        f"{rule}IDL: my_msgs/msg/Pair\n{two}{rule}IDL: my_msgs/msg/Named\n{one}",
+        one + two,
+    ):
+        name, language, found = Definitions("humble").of(
+            Connection(
+                1,
+                "/pair",
+                "my_msgs/msg/Pair",
+                MessageDefinition(MessageDefinitionFormat.IDL, text),
+                "",
+                0,
+                ConnectionExtRosbag2("cdr", []),
+                None,
+            )
+        )
+        assert (name, language) == ("my_msgs/msg/Pair", "ros2msg")
+        assert found.split("\n")[:2] == ["my_msgs/Named first", "float64[] values"]
+        assert "MSG: my_msgs/Named\nstring name\nuint8 kind" in found
+
+
+@pytest.mark.parametrize("kind", ["none", "BZ2", "LZ4", "sqlite"])
+def test_nothing_but_one_line_for_any_damage(
+    kind: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    made = drive(2 if kind == "sqlite" else 1, steps=4)
+    if kind == "sqlite":
+        path = Path(made.as_bare_sqlite(tmp_path / "run_0.db3"))
+    else:
+        path = Path(made.as_ros1(tmp_path / "run.bag", kind.replace("none", ""), chunk=2000))
+    whole, chance = path.read_bytes(), random.Random(kind)
+    for _ in range(60):
+        content = bytearray(whole)
+        for _ in range(chance.randint(1, 3)):
+            place = chance.randrange(len(content))
+            what = chance.choice(("flip", "cut", "double"))
+            if what == "flip":
+                content[place] ^= 1 << chance.randrange(8)
+            elif what == "cut":
+                del content[place:]
+                content = content or bytearray(b"#")
+            else:
+                content[place:place] = content[place : place + 300]
+        path.write_bytes(content)
+        caplog.clear()
+        said = [] if (error := outcome(path)) is None else [str(error)]
+        said += [record.getMessage() for record in caplog.records]
+        assert all("\n" not in line for line in said)

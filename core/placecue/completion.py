@@ -42,7 +42,7 @@ def complete(words: list[str]) -> int:
 def _query(shell: str) -> int:
     from placecue.cli import COMMANDS
 
-    line = os.environ.get("COMP_LINE", "")
+    line = os.environ.get("COMP_LINE", "").replace(" --no-plugins ", " ")
     typed = line.split()
     if len(typed) < 2 or (len(typed) == 2 and not line.endswith(" ")):
         start = typed[1] if len(typed) == 2 else ""
@@ -51,7 +51,7 @@ def _query(shell: str) -> int:
     if typed[1] not in COMMANDS:
         return 0
     # Hydra knows of one application without commands: leave the command out of the line.
-    after = line.split(typed[1], 1)[1]
+    _, _, after = line.lstrip().removeprefix(typed[0]).partition(typed[1])
     os.environ["COMP_LINE"] = f"{typed[0]}{after}"
     os.environ["COMP_POINT"] = str(len(os.environ["COMP_LINE"]))
     return _hydra(typed[1], f"query={shell}")

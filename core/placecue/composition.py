@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from placecue.config import build, describe, is_component, kind_of_parameter
+from placecue.config import build, describe, kind_of_parameter, nested
 from placecue.discovery.hooks import Kind
 from placecue.discovery.registry import Registry
 from placecue.errors import UsageError, choices
 from placecue.folds import FOLD_SCHEMES, FoldScheme
 from placecue.integrator import OnlyCue
+from placecue.parameter_types import misfits
 from placecue.pipeline import Pipeline
 
 
@@ -49,6 +50,8 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
 
 def build_folds(config: Mapping[str, Any]) -> FoldScheme:
     """Build a fold scheme from ``scheme`` and its parameters."""
+    if not isinstance(config, Mapping):
+        raise UsageError(f"folds must be a mapping with 'scheme' and parameters, got {config!r}")
     parameters = dict(config)
     name = parameters.pop("scheme", "interleaved")
     if name not in FOLD_SCHEMES:
@@ -57,7 +60,13 @@ def build_folds(config: Mapping[str, Any]) -> FoldScheme:
     for parameter in parameters:
         if parameter not in scheme.__dataclass_fields__:
             known = choices(parameter, scheme.__dataclass_fields__)
-            raise UsageError(f"fold scheme '{name}' has no parameter '{parameter}'; {known}")
+            raise UsageError(
+                f"fold scheme '{name}' has no parameter '{parameter}'; {known}; take it out with "
+                f"~folds.{parameter}"
+            )
+    wrong = misfits(parameters, scheme)
+    if wrong:
+        raise UsageError(f"folds: {'; '.join(wrong)}")
     return scheme(**parameters)
 
 
@@ -88,5 +97,5 @@ def _components(
 ) -> Iterator[tuple[Kind, str]]:
     yield kind, spec["plugin"]
     for name, value in spec.items():
-        if is_component(value):
-            yield from _components(value, kind_of_parameter(name, value, registry), registry)
+        for each in nested(value):
+            yield from _components(each, kind_of_parameter(name, each, registry), registry)

@@ -6,7 +6,7 @@ A component in a config is a mapping with the name it is registered under, and i
     C: 10
     kernel: {plugin: chi2, gamma: 2.0}
 
-A parameter that is itself such a mapping is built first and handed in.
+A parameter that is itself such a mapping, or a list of them, is built first and handed in.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any
 from placecue.discovery.hooks import KINDS, Kind
 from placecue.discovery.registry import Registry
 from placecue.errors import PlacecueError, UsageError, choices
+from placecue.parameter_types import misfits
 
 
 def plain(value: Any) -> Any:
@@ -65,11 +66,11 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
     factory = registry.load(kind, name)
     _check_parameters(parameters, factory, kind, name, where)
     built = {
-        key: build(value, kind_of_parameter(key, value, registry), registry, f"{where}.{key}")
-        if is_component(value)
-        else value
-        for key, value in parameters.items()
+        key: _built(value, key, registry, f"{where}.{key}") for key, value in parameters.items()
     }
+    wrong = misfits(built, factory)
+    if wrong:
+        raise UsageError(f"{where}: {kind} '{name}': {'; '.join(wrong)}")
     try:
         return factory(**built)
     except PlacecueError:
@@ -94,7 +95,7 @@ def describe(component: Any, registry: Registry) -> dict[str, Any]:
         )
     spec: dict[str, Any] = {"plugin": provided.component.name}
     for name, value in component.get_params(deep=False).items():
-        spec[name] = describe(value, registry) if hasattr(value, "get_params") else value
+        spec[name] = _described(value, registry)
     return spec
 
 
@@ -108,10 +109,23 @@ def is_component(value: Any) -> bool:
     return isinstance(value, Mapping) and "plugin" in value
 
 
+def nested(value: Any) -> list[Mapping[str, Any]]:
+    """Return the components in a config value: one, those of a list, or none."""
+    if is_component(value):
+        return [value]
+    if isinstance(value, (list, tuple)) and all(map(is_component, value)):
+        return list(value)
+    return []
+
+
 def kind_of_parameter(parameter: str, spec: Mapping[str, Any], registry: Registry) -> Kind:
-    """Tell what kind a nested component is of: by the parameter's name, else by its own."""
-    if parameter in KINDS:
-        return parameter
+    """Tell what kind a nested component is of: by the parameter's name, else by its own.
+
+    A list of components may stand under the plural, such as ``kernels``.
+    """
+    for kind in KINDS:
+        if parameter in (kind, f"{kind}s"):
+            return kind
     name = str(spec["plugin"])
     kinds = registry.kinds_of(name)
     if len(kinds) == 1:
@@ -120,6 +134,26 @@ def kind_of_parameter(parameter: str, spec: Mapping[str, Any], registry: Registr
     raise UsageError(
         f"cannot tell what kind of component '{name}' of parameter '{parameter}' is: {known}"
     )
+
+
+def _built(value: Any, parameter: str, registry: Registry, where: str) -> Any:
+    """Return a parameter's value with its component, or list of components, built."""
+    components = [
+        build(each, kind_of_parameter(parameter, each, registry), registry, where)
+        for each in nested(value)
+    ]
+    if not components:
+        return value
+    return components[0] if is_component(value) else components
+
+
+def _described(value: Any, registry: Registry) -> Any:
+    """Return a parameter's value with its component, or list of components, as a config."""
+    if hasattr(value, "get_params"):
+        return describe(value, registry)
+    if isinstance(value, (list, tuple)) and any(hasattr(each, "get_params") for each in value):
+        return [_described(each, registry) for each in value]
+    return value
 
 
 def _check_parameters(

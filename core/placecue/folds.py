@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from placecue.errors import DataError
+from placecue.errors import DataError, UsageError, choices
 
 Rows = NDArray[np.int64]
 NANOSECONDS = 1_000_000_000
@@ -22,14 +23,18 @@ class FoldScheme(ABC):
     Parameters
     ----------
     n_folds : int
-        Number of folds.
+        Number of folds, two or more.
     """
 
     n_folds: int = 5
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.n_folds, int) or self.n_folds < 2:
+            raise UsageError(f"folds.n_folds must be 2 or more, got {self.n_folds!r}")
+
     @abstractmethod
     def assign(self, labels: ArrayLike, stamps: ArrayLike | None = None) -> NDArray[np.int64]:
-        """Return the fold of each sample, shape (n,).
+        """Return the fold of each sample, shape (n,); -1 for one that is never held out.
 
         Parameters
         ----------
@@ -45,12 +50,13 @@ class FoldScheme(ABC):
         """Yield (training rows, held-out rows) for each fold.
 
         Every class is in the training rows of every fold: a fold that would take away the whole
-        of a class leaves that class's samples in training and does not score them.
+        of a class leaves that class's samples in training and does not score them. Folds that
+        hold nothing out, as of fewer samples than folds, are passed over.
 
         Raises
         ------
         DataError
-            If a class has one sample only.
+            If a class has one sample only, or no fold holds a sample out.
         """
         labels = np.asarray(labels)
         classes, counts = np.unique(labels, return_counts=True)
@@ -62,6 +68,7 @@ class FoldScheme(ABC):
             )
         fold = self.assign(labels, stamps)
         rows = np.arange(len(labels))
+        empty = True
         for number in range(self.n_folds):
             held_out = fold == number
             for name in classes:
@@ -69,7 +76,13 @@ class FoldScheme(ABC):
                 if held_out[of_class].all():
                     held_out &= ~of_class
             if held_out.any():
+                empty = False
                 yield rows[~held_out], rows[held_out]
+        if empty:
+            raise DataError(
+                f"none of the {len(labels)} samples can be held out: no class is in two folds of "
+                f"{type(self).__name__}; give more samples, or choose another fold scheme"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +101,11 @@ class InterleavedChunks(FoldScheme):
     """
 
     seconds: float = 2.0
+
+    def __post_init__(self) -> None:
+        FoldScheme.__post_init__(self)
+        if self.seconds <= 0:
+            raise UsageError(f"folds.seconds must be above 0, got {self.seconds}")
 
     def assign(  # noqa: D102
         self, labels: ArrayLike, stamps: ArrayLike | None = None
@@ -126,7 +144,120 @@ class Blocks(FoldScheme):
         return fold
 
 
-FOLD_SCHEMES: dict[str, type[FoldScheme]] = {"interleaved": InterleavedChunks, "blocks": Blocks}
+@dataclass(frozen=True, slots=True)
+class Shuffled(FoldScheme):
+    """Samples of each class dealt to the folds at random.
+
+    Neighbouring frames of a sequence are near-copies, so this flatters; it is for samples that
+    were taken one by one.
+
+    Parameters
+    ----------
+    n_folds : int
+        Number of folds.
+    seed : int
+        Of the random numbers.
+    """
+
+    seed: int = 0
+
+    def assign(  # noqa: D102
+        self, labels: ArrayLike, stamps: ArrayLike | None = None
+    ) -> NDArray[np.int64]:
+        labels = np.asarray(labels)
+        generator = np.random.default_rng(self.seed)
+        fold = np.empty(len(labels), dtype=np.int64)
+        for name in np.unique(labels):
+            rows = np.flatnonzero(labels == name)
+            fold[generator.permutation(rows)] = np.arange(len(rows)) % self.n_folds
+        return fold
+
+
+@dataclass(frozen=True, slots=True)
+class ByLog(FoldScheme):
+    """Whole logs: train on the others, test on one.
+
+    A new log begins where time goes back, or where nothing was recorded for a while.
+
+    Parameters
+    ----------
+    n_folds : int
+        Number of folds at most; logs are dealt to them in turn.
+    gap : float
+        Silence after which another log begins, s.
+    only_last : bool
+        Hold out the last log only (train on the first sequence, test on the second), or each in
+        turn.
+    """
+
+    gap: float = 60.0
+    only_last: bool = False
+
+    def __post_init__(self) -> None:
+        FoldScheme.__post_init__(self)
+        if self.gap <= 0:
+            raise UsageError(f"folds.gap must be above 0, got {self.gap}")
+
+    def assign(self, labels: ArrayLike, stamps: ArrayLike | None = None) -> NDArray[np.int64]:
+        """Return the fold of each sample, shape (n,); see :meth:`FoldScheme.assign`.
+
+        Raises
+        ------
+        DataError
+            If the samples are of one log.
+        """
+        times = _times(len(np.asarray(labels)), stamps)
+        step = np.diff(times, prepend=times[:1])
+        log = np.cumsum((step < 0) | (step > self.gap * NANOSECONDS))
+        last = int(log.max(initial=0))
+        if last == 0:
+            raise DataError(
+                f"the fold scheme by_log needs two logs or more, and the {len(log)} samples look "
+                f"like one: no {self.gap:g} s without a sample; give another log, or choose the "
+                "scheme interleaved"
+            )
+        if self.only_last:
+            return np.where(log == last, 0, -1)
+        return np.asarray(log % self.n_folds)
+
+
+FOLD_SCHEMES: dict[str, type[FoldScheme]] = {
+    "interleaved": InterleavedChunks,
+    "blocks": Blocks,
+    "shuffled": Shuffled,
+    "by_log": ByLog,
+}
+
+
+def fold_scheme(config: Mapping[str, Any] | None) -> FoldScheme:
+    """Build a fold scheme from ``{"scheme": NAME, parameter: value, ...}``.
+
+    Without a scheme it is interleaved chunks.
+
+    Raises
+    ------
+    UsageError
+        If the scheme or a parameter is unknown, or a value is not one that it can take.
+    """
+    if config is None:
+        return InterleavedChunks()
+    if not isinstance(config, Mapping):
+        raise UsageError(f"folds must be a mapping with 'scheme' and parameters, got {config!r}")
+    parameters = dict(config)
+    name = parameters.pop("scheme", "interleaved")
+    if name not in FOLD_SCHEMES:
+        raise UsageError(f"unknown fold scheme '{name}'; {choices(str(name), FOLD_SCHEMES)}")
+    scheme = FOLD_SCHEMES[name]
+    known = [each.name for each in fields(scheme)]
+    for parameter in parameters:
+        if parameter not in known:
+            raise UsageError(
+                f"fold scheme '{name}' has no parameter '{parameter}'; {choices(parameter, known)}"
+            )
+    try:
+        return scheme(**parameters)
+    except TypeError as error:
+        raise UsageError(f"fold scheme '{name}' refused its parameters: {error}") from error
 
 
 def _times(n: int, stamps: ArrayLike | None) -> NDArray[np.int64]:

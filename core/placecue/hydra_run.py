@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import os
 import re
 import sys
+from contextlib import redirect_stderr
 from importlib import import_module
-from pathlib import Path
 from typing import Any, cast
 
 import hydra
+from hydra._internal.utils import get_args_parser
+from hydra.conf import JobConf
 from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import ConfigCompositionException, HydraException, MissingConfigException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
+from omegaconf.errors import (
+    InterpolationToMissingValueError,
+    MissingMandatoryValue,
+    OmegaConfBaseException,
+)
 
 from placecue.config import plain
 from placecue.discovery.hooks import Kind
@@ -45,34 +53,32 @@ def run_command(command: str, overrides: list[str]) -> int:
         If anything goes wrong on purpose.
     """
     _log_to_stderr()
+    overrides = _overrides_first(overrides)
+    _check_words(command, overrides)
     register_with_hydra()
     # Hydra would print exceptions itself and exit; ours go up to the command line instead.
     os.environ["HYDRA_FULL_ERROR"] = "1"
-    sys.argv = ["placecue", *_overrides_first(overrides)]
-    entry = hydra.main(version_base="1.3", config_path=BUILT_IN_CONFIGS, config_name=command)
-    task = Task(command)
+    sys.argv = ["placecue", *overrides]
+    try:
+        return _enter(Task(command))
+    except PlacecueError:
+        raise
+    except Exception as error:
+        known = _in_one_line(command, overrides, error)
+        if known is None:
+            raise
+        raise known from error
+
+
+def _enter(task: Task) -> int:
+    entry = hydra.main(version_base="1.3", config_path=BUILT_IN_CONFIGS, config_name=task.command)
     try:
         entry(task)()
     except SystemExit as done:
-        if task.error is not None:
-            raise task.error from task.error.__cause__
-        # argparse's way out: --help, or an option that Hydra does not have.
-        return done.code if isinstance(done.code, int) else 0
-    except MissingMandatoryValue as error:
-        raise UsageError(_missing(command, error)) from error
-    except MissingConfigException as error:
-        raise UsageError(_unknown_option(command, error)) from error
-    except ConfigCompositionException as error:
-        raise UsageError(_unknown_key(command, overrides, error)) from error
-    except (HydraException, OmegaConfBaseException) as error:
-        raise UsageError(f"{command}: {_one_line(error)}") from error
-    except ValueError as error:
-        if error.__traceback__ is not None and _raised_by_hydra(error):
-            raise UsageError(f"{command}: {_one_line(error)}") from error
-        raise
-    except OSError as error:
-        where = f" {error.filename}" if error.filename else ""
-        raise PlacecueError(f"{command}: {error.strerror or error}{where}") from error
+        if task.error is None:
+            return done.code if isinstance(done.code, int) else 0  # --help and the like
+        raise task.error from task.error.__cause__
+    task.report()
     return 0
 
 
@@ -88,11 +94,18 @@ class Task:
     ----------
     error : Exception or None
         What went wrong in a single run.
+    failed : dict of str to Exception
+        What went wrong in the jobs of a sweep, by what is special about them.
+    jobs : int
+        How many jobs of a sweep were run.
     """
 
     def __init__(self, command: str) -> None:
         self.command = command
         self.error: Exception | None = None
+        self.failed: dict[str, Exception] = {}
+        self.jobs = 0
+        self._process = os.getpid()
 
     @property
     def __name__(self) -> str:
@@ -100,8 +113,9 @@ class Task:
 
     def __call__(self, config: DictConfig) -> None:
         """Run the command."""
-        if HydraConfig.get().mode is RunMode.MULTIRUN:
-            self._run(config, HydraConfig.get().job.num)
+        hydra_config = HydraConfig.get()
+        if hydra_config.mode is RunMode.MULTIRUN:
+            self._run_job(config, hydra_config.job)
             return
         try:
             self._run(config)
@@ -110,12 +124,67 @@ class Task:
             self.error = error
             raise SystemExit(1) from error
 
+    def _run_job(self, config: DictConfig, job: JobConf) -> None:
+        self.jobs += 1
+        try:
+            self._run(config, job.num)
+        except Exception as error:
+            if os.getpid() != self._process:
+                raise  # a launcher runs jobs elsewhere: Hydra brings this back
+            self.failed[f"job {job.num} ({job.override_dirname})"] = error
+
     def _run(self, config: DictConfig, job: int | None = None) -> None:
         module = import_module(f"placecue.commands.{self.command}")
         settings: dict[str, Any] = plain(config)
         if job is not None and module.OUT_IS_FOLDER:
-            settings["out"] = str(Path(settings["out"]) / str(job))
+            from placecue.commands.logs import path_of
+
+            settings["out"] = str(path_of(settings, "out") / str(job))
         module.run(settings)
+
+    def report(self) -> None:
+        """Raise one error over the jobs of a sweep that failed; the others have run."""
+        if not self.failed:
+            return
+        known = {
+            job: _in_one_line(self.command, [], error) or error
+            for job, error in self.failed.items()
+        }
+        first = next(iter(known.values()))
+        kind = type(first) if isinstance(first, PlacecueError) else PlacecueError
+        told = "; ".join(f"{job}: {error}" for job, error in known.items())
+        cause = next(iter(self.failed.values()))
+        raise kind(f"{len(known)} of {self.jobs} jobs failed: {told}") from cause
+
+
+def _check_words(command: str, words: list[str]) -> None:
+    """Refuse what Hydra cannot parse, in one line that names it.
+
+    Raises
+    ------
+    UsageError
+        If an option is unknown, or an override malformed.
+    """
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):
+            overrides = get_args_parser().parse_args(words).overrides
+    except SystemExit as error:
+        reason = said.getvalue().strip().rpartition("error: ")[2]
+        raise UsageError(f"{command}: {reason}; see placecue {command} --hydra-help") from error
+    if "-sc" in words:
+        return  # unfinished words are what completion is for
+    parser = OverridesParser.create()
+    for override in overrides:
+        try:
+            key = parser.parse_override(override).key_or_group
+        except HydraException as error:
+            raise UsageError(
+                f"{command}: cannot read '{override}' ({_one_line(error)}): give key=value, and "
+                f"put a value with special characters in quotes: 'key=\"value\"'"
+            ) from error
+        if not key:
+            raise UsageError(f"{command}: '{override}' has no key: give key=value")
 
 
 def _overrides_first(words: list[str]) -> list[str]:
@@ -135,9 +204,27 @@ def _log_to_stderr() -> None:
     logger.setLevel(logging.INFO)
 
 
-def _missing(command: str, error: MissingMandatoryValue) -> str:
-    key = getattr(error, "full_key", None) or "a value"
-    return f"{command} needs {key}=...; see placecue {command} --help"
+def _in_one_line(command: str, overrides: list[str], error: Exception) -> PlacecueError | None:
+    """Put an error of Hydra or of the system into our words; None where it is neither."""
+    if isinstance(error, (MissingMandatoryValue, InterpolationToMissingValueError)):
+        return UsageError(_missing(command, error))
+    if isinstance(error, MissingConfigException):
+        return UsageError(_unknown_option(command, error))
+    if isinstance(error, ConfigCompositionException):
+        return UsageError(_unknown_key(command, overrides, error))
+    of_hydra = isinstance(error, ValueError) and _raised_by_hydra(error)
+    if of_hydra or isinstance(error, (HydraException, OmegaConfBaseException)):
+        return UsageError(f"{command}: {_one_line(error)}")
+    if isinstance(error, OSError):
+        where = f" {error.filename}" if error.filename else ""
+        return PlacecueError(f"{command}: {error.strerror or error}{where}")
+    return None
+
+
+def _missing(command: str, error: Exception) -> str:
+    # Where another key stands for the missing one, the message alone names the one to give.
+    found = re.search(r"Missing mandatory value: ([\w.]+)", str(error))
+    return f"{command} needs {found[1] if found else 'a value'}=...; see placecue {command} --help"
 
 
 def _unknown_option(command: str, error: MissingConfigException) -> str:
@@ -156,6 +243,8 @@ def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
     key = found.group(1)
     parent, _, name = key.rpartition(".")
     known = _keys_of(command, [o for o in overrides if not o.startswith((key, "-"))], parent)
+    if name in known:  # the value was refused, not the key
+        return f"{command}: {_one_line(error)}"
     where = f" in {parent}" if parent else ""
     return f"{command}: there is no '{name}'{where}; {choices(name, known)}"
 

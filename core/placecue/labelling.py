@@ -7,6 +7,7 @@ from typing import Protocol
 
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
+from placecue.errors import UsageError
 from placecue.observation import Observation
 from placecue.pipeline import Pipeline
 from placecue.progress import track
@@ -45,7 +46,14 @@ def run_log(
         Gathers beliefs into areas.
     batch : int
         How many observations go through together.
+
+    Raises
+    ------
+    UsageError
+        If ``batch`` is no whole number of at least 1.
     """
+    if not isinstance(batch, int) or batch < 1:
+        raise UsageError(f"batch is {batch!r}; give a whole number of at least 1")
     observations = track(log, "classifying" if accumulator is None else "labelling")
     steps = (
         (

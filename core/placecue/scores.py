@@ -163,6 +163,65 @@ class ModifiedOneAgainstAll(_ColumnPerClass):
 
 
 @dataclass(frozen=True)
+class DecisionList(_ColumnPerClass):
+    """Column j is the output of class j against the rest; the list's first positive one wins.
+
+    The last class of the list is what is left, whatever its own output. After the winner come the
+    other positive classes in order of the list, then the last class, then the others from the
+    largest output down. The confidence is that of the surest-to-flip answer on the way down the
+    list: the winner's output (unless it is the last) or the least negative before it.
+
+    Parameters
+    ----------
+    order : tuple of str
+        The classes in order of the list.
+
+    References
+    ----------
+    Martinez Mozos, Stachniss and Burgard, ICRA 2005; the confidence is our choice.
+    """
+
+    order: tuple[str, ...] = ()
+    name: ClassVar[str] = "decision_list"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if sorted(self.order) != sorted(self.classes):
+            raise UsageError(
+                f"a decision list names each of its classes {list(self.classes)} once, "
+                f"got {list(self.order)}"
+            )
+
+    @property
+    def places(self) -> NDArray[np.int64]:
+        """The column of each class of the list, in order, shape (M,)."""
+        return np.array([self.classes.index(name) for name in self.order])
+
+    def preference(self, values: Values) -> Values:
+        """Return ranks: those that accept in order of the list, the last class, then the rest."""
+        places, m = self.places, len(self.classes)
+        accepts = values > 0
+        accepts[:, places[-1]] = True
+        of_list = np.empty(m)
+        of_list[places] = np.arange(m, 0, -1)
+        order = np.lexsort((values, np.where(accepts, of_list, 0)), axis=1)
+        ranks = np.empty_like(order)
+        np.put_along_axis(ranks, order, np.arange(m)[None, :], axis=1)
+        return ranks.astype(np.float64)
+
+    def confidence(self, values: Values, ranking: NDArray[np.int64]) -> Values:  # noqa: D102
+        places = self.places
+        asked = values[:, places[:-1]]
+        at = np.argsort(places)[ranking[:, 0]][:, None]
+        number = np.arange(len(places) - 1)[None, :]
+        margins = np.where(number == at, asked, np.where(number < at, -asked, np.inf))
+        return np.asarray(margins.min(axis=1))
+
+    def to_json(self) -> dict[str, Any]:  # noqa: D102
+        return {**super().to_json(), "order": list(self.order)}
+
+
+@dataclass(frozen=True)
 class OneAgainstOne(Layout):
     """Columns are the pairs (i, j), i < j, in order of label; positive means that i beats j.
 
@@ -214,7 +273,8 @@ class OneAgainstOne(Layout):
 
 
 LAYOUTS: dict[str, type[Layout]] = {
-    kind.name: kind for kind in (OneAgainstOne, OneAgainstAll, ModifiedOneAgainstAll, Probabilities)
+    kind.name: kind
+    for kind in (OneAgainstOne, OneAgainstAll, ModifiedOneAgainstAll, Probabilities, DecisionList)
 }
 
 

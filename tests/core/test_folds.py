@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from placecue import Blocks, DataError, InterleavedChunks
+from placecue import Blocks, DataError, InterleavedChunks, UsageError
+from placecue.folds import ByLog, Shuffled, fold_scheme
 
 SECOND = 1_000_000_000
 
@@ -33,7 +34,7 @@ def test_a_chunk_ends_at_a_new_log() -> None:
     assert fold.tolist() == [0] * 5 + [1] * 5
 
 
-@pytest.mark.parametrize("scheme", [InterleavedChunks(), Blocks()])
+@pytest.mark.parametrize("scheme", [InterleavedChunks(), Blocks(), Shuffled()])
 @given(labels=st.lists(st.sampled_from("abcd"), min_size=8, max_size=120))
 def test_every_class_is_in_training_and_no_sample_twice_held_out(scheme, labels) -> None:  # type: ignore[no-untyped-def]
     labels = np.array(labels + list("aabbccdd"))
@@ -48,3 +49,77 @@ def test_every_class_is_in_training_and_no_sample_twice_held_out(scheme, labels)
 def test_a_class_of_one_sample_is_named() -> None:
     with pytest.raises(DataError, match="class 'attic' has one sample"):
         list(InterleavedChunks().split(np.array(["a", "a", "attic"])))
+
+
+def test_shuffled_folds_are_even_within_each_class() -> None:
+    labels = np.repeat(["a", "b", "c", "d"], [10, 20, 35, 5])
+    fold = Shuffled(n_folds=5, seed=1).assign(labels)
+    for name, size in (("a", 2), ("b", 4), ("c", 7), ("d", 1)):
+        assert np.bincount(fold[labels == name]).tolist() == [size] * 5
+    assert (fold == Shuffled(n_folds=5, seed=1).assign(labels)).all()
+    assert (fold != Shuffled(n_folds=5, seed=2).assign(labels)).any()
+
+
+def three_logs() -> tuple[np.ndarray, np.ndarray]:
+    """Five samples of four classes each; the second log is later by an hour, the third earlier."""
+    labels = np.tile(np.repeat(["a", "b", "c", "d"], 5), 3)
+    times = np.arange(20) * SECOND // 5
+    return labels, np.concatenate([times, times + 3600 * SECOND, times - 60 * SECOND])
+
+
+def test_by_log_holds_out_each_log_in_turn() -> None:
+    labels, stamps = three_logs()
+    held_out = [h.tolist() for _, h in ByLog().split(labels, stamps)]
+    assert held_out == [list(range(20)), list(range(20, 40)), list(range(40, 60))]
+    assert len(list(ByLog(n_folds=2).split(labels, stamps))) == 2
+
+
+def test_by_log_trains_on_the_first_and_tests_on_the_second() -> None:
+    labels, stamps = three_logs()
+    ((training, held_out),) = ByLog(only_last=True).split(labels[:40], stamps[:40])
+    assert training.tolist() == list(range(20))
+    assert held_out.tolist() == list(range(20, 40))
+
+
+def test_by_log_needs_two_logs() -> None:
+    with pytest.raises(DataError, match="needs two logs or more, and the 20 samples look like one"):
+        list(ByLog().split(*(each[:20] for each in three_logs())))
+
+
+def test_fewer_samples_than_folds_give_fewer_folds() -> None:
+    labels = np.array(["a", "a", "b", "b", "c", "c", "d", "d"])
+    for scheme in (Blocks(), Shuffled(), InterleavedChunks()):
+        splits = list(scheme.split(labels))
+        assert 1 <= len(splits) < 5
+        assert all(set(labels[training]) == set("abcd") for training, _ in splits)
+
+
+def test_folds_that_hold_nothing_out_are_an_error() -> None:
+    labels = np.repeat(["a", "b", "c", "d"], 5)
+    stamps = np.arange(20) * SECOND // 5 + np.repeat([0, 100, 200, 300], 5) * SECOND
+    with pytest.raises(DataError, match="none of the 20 samples can be held out"):
+        list(ByLog().split(labels, stamps))
+
+
+def test_a_scheme_by_name() -> None:
+    assert fold_scheme(None) == InterleavedChunks()
+    assert fold_scheme({"n_folds": 3}) == InterleavedChunks(n_folds=3)
+    assert fold_scheme({"scheme": "by_log", "gap": 5.0}) == ByLog(gap=5.0)
+    assert fold_scheme({"scheme": "shuffled", "seed": 4}) == Shuffled(seed=4)
+
+
+@pytest.mark.parametrize(
+    ("config", "message"),
+    [
+        ({"scheme": "block"}, "did you mean 'blocks'"),
+        ({"scheme": "blocks", "seconds": 2}, "has no parameter 'seconds'"),
+        ({"n_folds": 1}, "n_folds must be 2 or more, got 1"),
+        ({"n_folds": "many"}, "n_folds must be 2 or more, got 'many'"),
+        ({"seconds": 0}, "seconds must be above 0"),
+        ({"scheme": "by_log", "gap": -1}, "gap must be above 0"),
+        ("blocks", "must be a mapping"),
+    ],
+)
+def test_wrong_configs_are_named(config: object, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        fold_scheme(config)  # type: ignore[arg-type]

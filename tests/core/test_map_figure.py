@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from placecue import Area, DataError, Node, SemanticMap, UsageError
+from placecue import Area, Node, SemanticMap, UsageError
 from placecue.evaluation.map_figure import category_styles, cells, draw_semantic_map
 
 CLASSES = ("corridor", "kitchen", "office", "printer")
@@ -60,7 +60,7 @@ def test_a_large_map_is_drawn(tmp_path):
 
 def test_an_unwritable_place_is_a_clear_error(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(DataError):
+    with pytest.raises(UsageError, match="cannot write to"):
         draw_semantic_map(map_of([]), tmp_path / "file" / "map.png")
 
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 from placecue import progress
 from placecue.commands import show
-from placecue.commands.logs import open_source
+from placecue.commands.logs import open_source, path_of
 from placecue.discovery.manager import current_plugins
 from placecue.evaluation.tally import Tally
-from placecue.labelling import run_log
+from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.annotated import AnnotatedLog
 from placecue.storage.atomic import made, write_json
@@ -23,20 +22,20 @@ OUT_IS_FOLDER = True
 
 def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
-    out, plugins = Path(config["out"]), current_plugins()
-    pipeline = load_model(Path(config["model"]), plugins.registry)
+    out, plugins = path_of(config, "out"), current_plugins()
+    pipeline = load_model(path_of(config, "model"), plugins.registry)
     log = open_source(config, plugins, parts=(*pipeline.requires, "pose", "label"))
     table, annotated, metrics = out / "beliefs.csv", out / "beliefs.mcap", out / "metrics.json"
     tally = Tally()
     made(out)
     with ExitStack() as stack, progress.shown():
-        listeners = [
+        listeners: list[Listener] = [
             tally,
             stack.enter_context(belief_table(table)),
             stack.enter_context(AnnotatedLog(annotated, pipeline.classes)),
             PluginListeners(plugins),
         ]
-        run_log(pipeline, log, listeners, batch=int(config["batch"]))
+        run_log(pipeline, log, listeners, batch=config["batch"])
     results = [("beliefs", table), ("beliefs with the log, for Foxglove", annotated)]
     if tally.counts:
         show.scores(tally)

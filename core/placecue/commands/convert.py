@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from placecue import progress
-from placecue.commands.logs import open_source
+from placecue.commands.logs import open_source, path_of
 from placecue.discovery.manager import current_plugins
 from placecue.logs.convert import copy
 from placecue.logs.writer import McapWriter
@@ -17,7 +17,7 @@ OUT_IS_FOLDER = False
 
 def run(config: dict[str, Any]) -> None:
     """Write the observations of a source as MCAP."""
-    out = Path(config["out"])
+    out = path_of(config, "out")
     name, count = convert(config, out)
     print(f"{count} observations of {name} in {out}")
     print(f"next: placecue info log={out}")

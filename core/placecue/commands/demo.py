@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from placecue.commands import convert, label, show, train
+from placecue.commands.logs import path_of
 from placecue.discovery.manager import current_plugins
 from placecue.errors import PlacecueError
 from placecue.evaluation.tally import Tally
@@ -17,7 +18,7 @@ OUT_IS_FOLDER = True
 
 def run(config: dict[str, Any]) -> None:
     """Go from nothing to a semantic map and say where everything is."""
-    started, out = perf_counter(), Path(config["out"])
+    started, out = perf_counter(), path_of(config, "out")
     logs = [out / "run1.mcap", out / "run2.mcap"]
     for number, log in enumerate(logs, 1):
         print(f"recording {log} in a simulated office ...")
@@ -36,7 +37,7 @@ def run(config: dict[str, Any]) -> None:
 
     named = [area for area in semantic_map.areas if area.label != UNKNOWN]
     print(f"\n{len(semantic_map.areas)} areas, {len(named)} of them labelled")
-    show.written([("logs", out / "run*.mcap"), ("model", out / "model"), *label.results(out)])
+    show.written([("logs", out / "run*.mcap"), ("model", out / "model"), *label.results(out, True)])
     print(
         f"\ndone in {perf_counter() - started:.0f} s. next:\n"
         f"  placecue info log={logs[1]}\n"

@@ -8,13 +8,13 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands import show
-from placecue.commands.logs import open_source
+from placecue.commands.logs import open_source, path_of
 from placecue.config import build
 from placecue.discovery.manager import current_plugins
 from placecue.evaluation.map_figure import draw_semantic_map
 from placecue.evaluation.surroundings import Surroundings
 from placecue.evaluation.tally import Tally
-from placecue.labelling import run_log
+from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.annotated import AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
@@ -27,34 +27,34 @@ OUT_IS_FOLDER = True
 
 def run(config: dict[str, Any]) -> None:
     """Label the areas of a log and write the map, a picture of it and the annotated log."""
-    out, tally = Path(config["out"]), Tally()
+    out, tally = path_of(config, "out"), Tally()
     semantic_map = label(config, out, tally)
     areas = [area for area in semantic_map.areas if area.label != "unknown"]
     print(f"{len(semantic_map.areas)} areas, {len(areas)} of them labelled")
     if tally.counts:
         show.scores(tally)
-    show.written(results(out))
+    show.written(results(out, scored=bool(tally.counts)))
     current_plugins().tell("run_finished", command="label", out=out)
 
 
 def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     """Run a model over a log and write everything that comes of it into ``out``."""
     plugins = current_plugins()
-    pipeline = load_model(Path(config["model"]), plugins.registry)
+    pipeline = load_model(path_of(config, "model"), plugins.registry)
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     log = open_source(config, plugins, parts=(*pipeline.requires, "scan", "pose", "label"))
     surroundings = Surroundings()
     made(out)
     with ExitStack() as stack, progress.shown():
         annotated = stack.enter_context(AnnotatedLog(out / "annotated.mcap", pipeline.classes))
-        listeners = [
+        listeners: list[Listener] = [
             tally,
             surroundings,
             annotated,
             stack.enter_context(belief_table(out / "beliefs.csv")),
             PluginListeners(plugins),
         ]
-        run_log(pipeline, log, listeners, accumulator=accumulator, batch=int(config["batch"]))
+        run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = accumulator.semantic_map()
         annotated.close_with(semantic_map)
     write_layout(out)
@@ -73,9 +73,10 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     return semantic_map
 
 
-def results(out: Path) -> list[tuple[str, Path]]:
+def results(out: Path, scored: bool) -> list[tuple[str, Path]]:
     """Return what :func:`label` writes, with a word on each file."""
     return [
+        *([("scores", out / "metrics.json")] if scored else []),
         ("semantic map", out / "semantic_map.json"),
         ("as GeoJSON", out / "semantic_map.geojson"),
         ("its picture", out / "semantic_map.png"),

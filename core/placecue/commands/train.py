@@ -7,7 +7,7 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands import show
-from placecue.commands.logs import open_source, single_logs
+from placecue.commands.logs import open_source, path_of, single_logs
 from placecue.composition import build_pipeline
 from placecue.discovery.manager import current_plugins
 from placecue.pipeline import Pipeline
@@ -19,7 +19,7 @@ OUT_IS_FOLDER = True
 
 def run(config: dict[str, Any]) -> None:
     """Train a pipeline and write its model folder."""
-    out = Path(config["out"])
+    out = path_of(config, "out")
     pipeline = train(config, out)
     show.chosen_parameters(pipeline)
     print(f"model of {len(pipeline.classes)} classes ({', '.join(pipeline.classes)}) in {out}")

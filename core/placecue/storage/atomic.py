@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from placecue.errors import DataError
+from placecue.errors import DataError, UsageError
 
 
 @contextmanager
@@ -19,14 +19,16 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Raises
     ------
-    DataError
+    UsageError
         If the folder cannot be written to.
+    DataError
+        If writing fails later, as on a full disk.
     """
     folder = made(path.parent)
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=folder)
     except OSError as error:
-        raise _unwritable(path, error) from error
+        raise _unwritable(folder, error) from error
     os.close(handle)
     temporary = Path(name)
     try:
@@ -34,7 +36,7 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(path)
     except OSError as error:
-        raise _unwritable(path, error) from error
+        raise DataError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -44,7 +46,7 @@ def made(folder: Path) -> Path:
 
     Raises
     ------
-    DataError
+    UsageError
         If it cannot be made.
     """
     try:
@@ -66,8 +68,9 @@ def write_json(path: Path, data: Any) -> Path:
     return write_text(path, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
 
 
-def _unwritable(path: Path, error: OSError) -> DataError:
-    return DataError(f"cannot write {path}: {error.strerror or error}; choose another with out=")
+def _unwritable(folder: Path, error: OSError) -> UsageError:
+    reason = error.strerror or error
+    return UsageError(f"cannot write to {folder}: {reason}; choose another place with out=")
 
 
 def _umask() -> int:

@@ -1,0 +1,84 @@
+"""Runs the command line inside the tests' process, and as the installed script."""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+from hydra.core.global_hydra import GlobalHydra
+
+from placecue.cli import run
+
+SCRIPT = Path(sys.executable).with_name("placecue")
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a command answered."""
+
+    status: int
+    out: str
+    err: str
+
+    @property
+    def line(self) -> str:
+        """The one line on standard error, without who says it."""
+        [line] = self.err.split("\n")[:-1] or [""]
+        assert line.startswith("placecue: "), self.err
+        return line.removeprefix("placecue: ")
+
+
+def placecue(*words: str) -> Told:
+    """Run a command line in this process."""
+    out, err = io.StringIO(), io.StringIO()
+    GlobalHydra.instance().clear()
+    with _as_it_was(), redirect_stdout(out), redirect_stderr(err):
+        status = run([str(word) for word in words])
+    return Told(status, out.getvalue(), err.getvalue())
+
+
+def script(*words: str, **environment: str) -> Told:
+    """Run the installed script as a process of its own."""
+    done = subprocess.run(
+        [SCRIPT, *words],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, **environment},
+        check=False,
+    )
+    return Told(done.returncode, done.stdout, done.stderr)
+
+
+def succeeds(*words: str) -> Told:
+    """Run a command that has nothing to complain of."""
+    told = placecue(*words)
+    assert (told.status, told.err) == (0, ""), told.err
+    return told
+
+
+@contextmanager
+def _as_it_was() -> Iterator[None]:
+    """Undo what a command does to the process: its loggers, its arguments, its environment."""
+    loggers = {
+        name: logging.getLogger(name)
+        for name in ("placecue", "placecue_cues", "placecue_sources", "placecue_accumulators")
+    }
+    before = {name: (each.handlers, each.propagate, each.level) for name, each in loggers.items()}
+    arguments, environment = sys.argv, dict(os.environ)
+    try:
+        yield
+    finally:
+        for name, (handlers, propagate, level) in before.items():
+            loggers[name].handlers, loggers[name].propagate = handlers, propagate
+            loggers[name].setLevel(level)
+        sys.argv = arguments
+        os.environ.clear()
+        os.environ.update(environment)

@@ -9,7 +9,7 @@ from sklearn.model_selection import GridSearchCV
 from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
-from placecue import DataError, OneAgainstAll, OneAgainstOne, UsageError
+from placecue import DataError, InterleavedChunks, OneAgainstAll, OneAgainstOne, UsageError
 from placecue_classifiers.machines import one_against_all, one_against_one
 from placecue_classifiers.svm import SVM
 from placecue_kernels.linear import Linear
@@ -61,7 +61,7 @@ def test_only_support_vectors_are_kept(blobs: tuple[np.ndarray, np.ndarray]) -> 
     features, codes = blobs
     gram = RBF(gamma=0.02).gram(features)
     for train in (one_against_all, one_against_one):
-        machines = train(gram, codes, 10.0, True)
+        machines = train(gram, codes, 10.0, "balanced")
         used = np.any(machines.coefficients != 0, axis=1)
         assert used.sum() < len(features)
         kept = machines.coefficients[used]
@@ -75,7 +75,7 @@ def test_search_finds_what_an_exhaustive_loop_finds(
     labels, stamps = NAMES[codes], np.arange(len(codes)) * 10**9
     costs, gammas = [0.1, 1.0, 10.0], [0.001, 0.01, 0.1]
     svm = SVM(kernel=RBF(), search={"C": costs, "gamma": gammas}).fit(features, labels, stamps)
-    splits = list(svm._folds().split(labels, stamps))
+    splits = list(InterleavedChunks().split(labels, stamps))
     best = {}
     for gamma in gammas:
         for cost in costs:
@@ -138,13 +138,22 @@ def test_scaling_is_learned_in_training(blobs: tuple[np.ndarray, np.ndarray], sc
     ("parameters", "message"),
     [
         ({"multiclass": "oa"}, "did you mean 'oa[ao]'"),
-        ({"class_weight": "equal"}, "class_weight"),
+        ({"class_weight": "equal"}, "class_weight is 'balanced', null, or"),
+        ({"class_weight": {"lab": -1}}, "class_weight.lab must be a number above 0"),
+        ({"class_weight": {"labs": 2}}, "did you mean 'lab'"),
+        ({"probability": "platt"}, "probability 'platt'.*isotonic, sigmoid, or null"),
+        ({"folds": {"scheme": "random"}}, "unknown fold scheme 'random'"),
+        ({"folds": {"n_fold": 3}}, "did you mean 'n_folds'"),
         ({"kernel": None}, "needs a kernel"),
         ({"C": 0.0}, "C must be above 0"),
         ({"scaling": "rang"}, "did you mean 'range'"),
         ({"search": {"c": [1]}}, "cannot vary 'c'"),
-        ({"search": {"C": []}}, "values above 0"),
-        ({"kernel": Linear(), "search": {"gamma": [1]}}, "has no gamma"),
+        ({"search": {"C": []}}, "list of values"),
+        ({"search": {"C": 3}}, "list of values"),
+        ({"search": {"C": [0]}}, "values above 0"),
+        ({"search": {"gamma": [1], "kernel__gamma": [1]}}, "are the same"),
+        ({"search": {"multiclass": ["oab"]}}, "unknown multiclass 'oab'"),
+        ({"kernel": Linear(), "search": {"gamma": [1]}}, "cannot vary 'gamma'"),
     ],
 )
 def test_wrong_parameters_are_named(
@@ -157,7 +166,7 @@ def test_wrong_parameters_are_named(
 
 def test_wrong_data_are_named(blobs: tuple[np.ndarray, np.ndarray]) -> None:
     features, codes = blobs
-    with pytest.raises(DataError, match="all 175 training samples are 'lab'"):
+    with pytest.raises(DataError, match=r"of one class only \('lab', 175 of them\)"):
         SVM(kernel=RBF()).fit(features, np.repeat("lab", 175))
     spoilt = features.copy()
     spoilt[7, 2] = np.nan

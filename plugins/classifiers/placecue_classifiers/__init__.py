@@ -16,4 +16,18 @@ def placecue_components() -> list[Component]:
             summary="Support vector machine, one-against-one or one-against-all",
             requires=("a kernel",),
         ),
+        Component(
+            kind="classifier",
+            name="adaboost",
+            factory="placecue_classifiers.adaboost:AdaBoost",
+            summary="AdaBoost of decision stumps on single features, joined by a decision list",
+            requires=("dense vectors",),
+        ),
+        Component(
+            kind="classifier",
+            name="sklearn",
+            factory="placecue_classifiers.scikit_learn:ScikitLearn",
+            summary="Any classifier of scikit-learn, by its dotted name",
+            requires=("dense or sparse vectors",),
+        ),
     ]

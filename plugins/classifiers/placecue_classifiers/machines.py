@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Literal
 
 import numpy as np
+import sklearn
 from numpy.typing import NDArray
 from sklearn.svm import SVC
 
 Matrix = NDArray[np.float64]
 Codes = NDArray[np.int64]
+Weights = Literal["balanced"] | NDArray[np.float64] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,19 +39,19 @@ class Machines:
         return np.asarray(gram @ self.coefficients + self.intercepts)
 
 
-def one_against_all(gram: Matrix, codes: Codes, C: float, balanced: bool) -> Machines:
+def one_against_all(gram: Matrix, codes: Codes, C: float, weights: Weights) -> Machines:
     """Train one machine a class against the rest.
 
     Parameters
     ----------
     gram : ndarray of float64, shape (n, n)
-        Kernel between the training samples.
+        Kernel between the training samples, finite.
     codes : ndarray of int64, shape (n,)
         Class of each sample, 0 to M - 1.
     C : float
         Cost of a margin violation.
-    balanced : bool
-        Weight the two sides by inverse frequency.
+    weights : "balanced", ndarray of float64 of shape (M,), or None
+        Weights of the two sides by inverse frequency, of each class, or none.
 
     Returns
     -------
@@ -58,28 +61,37 @@ def one_against_all(gram: Matrix, codes: Codes, C: float, balanced: bool) -> Mac
     n_classes = int(codes.max()) + 1
     machines = Machines(np.zeros((len(codes), n_classes)), np.zeros(n_classes))
     for code in range(n_classes):
-        svc = SVC(kernel="precomputed", C=C, class_weight="balanced" if balanced else None)
-        svc.fit(gram, np.where(codes == code, 1, -1))
+        svc = _trained(gram, np.where(codes == code, 1, -1), C, weights, codes)
         machines.coefficients[svc.support_, code] = svc.dual_coef_[0]
         machines.intercepts[code] = svc.intercept_[0]
     return machines
 
 
-def one_against_one(gram: Matrix, codes: Codes, C: float, balanced: bool) -> Machines:
+def one_against_one(gram: Matrix, codes: Codes, C: float, weights: Weights) -> Machines:
     """Train one machine a pair of classes (i, j), i < j; positive means that i wins.
 
-    Weights are those of the whole problem, n / (M n_i), as LIBSVM applies them. Parameters and
-    result are those of :func:`one_against_all`, with M (M - 1) / 2 functions.
+    LIBSVM trains all pairs in one call; balanced weights are of the whole problem, n / (M n_i).
+    Parameters and result are those of :func:`one_against_all`, with M (M - 1) / 2 functions.
     """
-    counts = np.bincount(codes)
-    weights = len(codes) / (len(counts) * counts) if balanced else np.ones(len(counts))
-    pairs = list(combinations(range(len(counts)), 2))
-    machines = Machines(np.zeros((len(codes), len(pairs))), np.zeros(len(pairs)))
+    n_classes = int(codes.max()) + 1
+    svc = _trained(gram, codes, C, weights, codes)
+    # With two classes scikit-learn turns LIBSVM's sign, so that the second class is positive.
+    sign = -1.0 if n_classes == 2 else 1.0
+    pairs = list(combinations(range(n_classes), 2))
+    machines = Machines(np.zeros((len(codes), len(pairs))), sign * svc.intercept_)
+    supports = np.split(svc.support_, np.cumsum(svc.n_support_)[:-1])
+    duals = np.split(sign * svc.dual_coef_, np.cumsum(svc.n_support_)[:-1], axis=1)
     for column, (first, second) in enumerate(pairs):
-        rows = np.concatenate([np.flatnonzero(codes == first), np.flatnonzero(codes == second)])
-        side = np.where(codes[rows] == first, 1, -1)
-        svc = SVC(kernel="precomputed", C=C, class_weight={1: weights[first], -1: weights[second]})
-        svc.fit(gram[np.ix_(rows, rows)], side)
-        machines.coefficients[rows[svc.support_], column] = svc.dual_coef_[0]
-        machines.intercepts[column] = svc.intercept_[0]
+        # A support vector of class i has M - 1 coefficients, one for each other class in order.
+        machines.coefficients[supports[first], column] = duals[first][second - 1]
+        machines.coefficients[supports[second], column] = duals[second][first]
     return machines
+
+
+def _trained(gram: Matrix, sides: Codes, C: float, weights: Weights, codes: Codes) -> SVC:
+    balanced = isinstance(weights, str)
+    svc = SVC(kernel="precomputed", C=C, class_weight="balanced" if balanced else None)
+    each = None if weights is None or isinstance(weights, str) else weights[codes]
+    # The Gram matrix has been looked at once; a search would have it looked at thousands of times.
+    with sklearn.config_context(assume_finite=True, skip_parameter_validation=True):
+        return svc.fit(gram, sides, sample_weight=each)

@@ -10,14 +10,25 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 
 from placecue.classifier import Classifier
-from placecue.errors import DataError, UsageError, choices
-from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
-from placecue.folds import FoldScheme, InterleavedChunks
+from placecue.errors import UsageError, choices
+from placecue.features import FeatureBatch, take
+from placecue.folds import Rows, fold_scheme
 from placecue.kernel import DistanceKernel, Gram, Kernel
-from placecue.scaling import Scaling, scaling
-from placecue.scores import Layout, ModifiedOneAgainstAll, OneAgainstAll, OneAgainstOne, Scores
+from placecue.progress import track
+from placecue.scores import (
+    Layout,
+    ModifiedOneAgainstAll,
+    OneAgainstAll,
+    OneAgainstOne,
+    Probabilities,
+    Scores,
+)
+from placecue_classifiers import calibration
+from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
 from placecue_classifiers.machines import Machines, one_against_all, one_against_one
-from placecue_classifiers.search import Grid, search
+from placecue_classifiers.prepared import Preparations, Prepared
+from placecue_classifiers.search import Table, best_of, search
+from placecue_classifiers.weights import ClassWeight, check_class_weight, of_classes
 
 MULTICLASS = ("oao", "oaa", "modified_oaa")
 
@@ -35,38 +46,52 @@ class SVM(Classifier):
         One-against-all (M functions, the largest wins), one-against-one (M (M - 1) / 2 functions,
         majority vote), or modified one-against-all (the class whose training mean the output lies
         nearest).
-    class_weight : {"balanced"} or None
-        Weight classes by inverse frequency, or not.
+    class_weight : {"balanced"}, mapping of class to weight, or None
+        Weight classes by inverse frequency, as given (1 where it is not), or not.
     scaling : {"range", "standard", "quantiles"} or None
         Scaling of dense features, learned on the training samples.
     search : mapping, optional
-        Values to try, ``{"C": [...], "gamma": [...]}``, by cross-validation on balanced accuracy.
-        The Gram matrix is computed once for the whole grid. What is left out stays as given.
-    n_folds : int
-        Number of folds of the search.
-    fold_seconds : float
-        Length of the interleaved chunks that the folds are made of, s.
+        Values to try by cross-validation on balanced accuracy, every combination of them:
+        ``{"C": [...], "gamma": [...]}``, and likewise ``multiclass``, ``class_weight``,
+        ``scaling`` and the kernel's parameters as ``kernel__NAME``. One Gram matrix serves every
+        C, class weight, multi-class extension and fold; one matrix of distances every gamma. What
+        is left out stays as given.
+    folds : mapping, optional
+        How the training samples are cut for search and calibration, such as ``{"scheme":
+        "interleaved", "n_folds": 5, "seconds": 2.0}``; other schemes are ``blocks``,
+        ``shuffled`` and ``by_log``.
+    probability : {"sigmoid", "isotonic"} or None
+        Turn the outputs into probabilities, learned on held-out folds: Platt's sigmoid, or
+        isotonic regression. The class then is the likeliest one.
 
     Attributes
     ----------
     layout_ : Layout
         What the columns of the scores are.
+    machine_layout_ : Layout
+        What the columns of the machines' outputs are; differs with ``probability`` only.
     C_ : float
         The cost in use.
     kernel_ : Kernel
         The kernel in use.
+    scaling_ : Scaling or None
+        The scaling in use.
     support_features_ : batch of k samples
         The union of the support vectors.
     coefficients_ : ndarray of float64, shape (k, V)
         Their signed dual coefficients.
     intercepts_ : ndarray of float64, shape (V,)
+    calibrators_ : list of ndarray
+        What turns each output into a probability; see :func:`calibration.calibrators`.
     search_ : dict of str to list
-        For each point of the grid ``C``, ``gamma`` (if searched) and ``balanced_accuracy``.
+        For each point of the grid the searched parameters and ``balanced_accuracy``.
+    chosen_ : dict
+        The searched parameters that were best.
 
     References
     ----------
     Pronobis et al., IJRR 29(2-3), 2010, section 3.3; Pronobis and Caputo, IROS 2007 (modified
-    one-against-all).
+    one-against-all); Platt, Probabilities for SV machines, 2000; Zadrozny and Elkan, KDD 2002.
     """
 
     def __init__(
@@ -74,11 +99,11 @@ class SVM(Classifier):
         kernel: Kernel | None = None,
         C: float = 100.0,
         multiclass: str = "oaa",
-        class_weight: str | None = "balanced",
+        class_weight: ClassWeight = "balanced",
         scaling: str | None = None,
-        search: Mapping[str, Sequence[float]] | None = None,
-        n_folds: int = 5,
-        fold_seconds: float = 2.0,
+        search: Mapping[str, Sequence[float | str | bool | None]] | None = None,
+        folds: Mapping[str, Any] | None = None,
+        probability: str | None = None,
     ) -> None:
         self.kernel = kernel
         self.C = C
@@ -86,8 +111,8 @@ class SVM(Classifier):
         self.class_weight = class_weight
         self.scaling = scaling
         self.search = search
-        self.n_folds = n_folds
-        self.fold_seconds = fold_seconds
+        self.folds = folds
+        self.probability = probability
 
     def fit(
         self, features: FeatureBatch, labels: ArrayLike, stamps: ArrayLike | None = None
@@ -99,61 +124,85 @@ class SVM(Classifier):
         UsageError
             If a parameter is not one of those above, or the kernel cannot take these features.
         DataError
-            If there is one class only, or a feature is NaN or infinite.
+            If there is one class only, a feature is NaN or infinite, or, where folds are needed,
+            a class has one sample only.
         """
         self._check_parameters()
-        names, codes = np.unique(np.asarray(labels, dtype=np.str_), return_inverse=True)
-        if len(names) < 2:
-            raise DataError(f"all {len(codes)} training samples are '{names[0]}': give two classes")
-        self.scaling_ = self._fitted_scaling(features)
-        features = self._prepared(features)
-        kernel: Kernel = clone(self.kernel).fit(features)
-        distances = kernel.distances(features) if isinstance(kernel, DistanceKernel) else None
-        self.C_ = float(self.C)
+        features = self.training_samples(features, labels)
+        codes = self.learn_classes(labels)
+        prepare = Preparations(lambda setting: self.with_setting(setting).prepared(features))
+        svm, setting = self, Setting()
         if self.search:
-            grid = Grid.of(self.search, kernel, self.C_)
-            splits = list(self._folds().split(np.asarray(labels), stamps))
-            self.search_ = search(
-                grid, lambda k: _gram(k, features, distances), codes, splits, self
-            )
-            best = int(np.argmax(self.search_["balanced_accuracy"]))
-            self.C_ = self.search_["C"][best]
-            if "gamma" in self.search_:
-                kernel.set_params(gamma=self.search_["gamma"][best])
-        self.kernel_ = kernel
-        gram = _gram(kernel, features, distances)
-        machines = self.machines(gram, codes, self.C_)
-        self.layout_ = self.layout(names, machines, gram, codes)
+            self.search_ = self._search(prepare, codes, self._splits(labels, stamps))
+            self.chosen_ = setting = best_of(self.search_)
+            svm = self.with_setting(setting)
+        prepared = prepare(Grid.preparation(setting))
+        gamma = setting.get("gamma")
+        self.kernel_ = prepared.kernel if gamma is None else prepared.with_gamma(gamma)
+        self.C_, self.scaling_ = float(svm.C), prepared.scaling
+        gram = prepared.gram(gamma)
+        machines = svm.machines(gram, codes, self.class_names)
+        self.layout_ = svm.machine_layout(self.class_names, machines, gram, codes)
+        self.machine_layout_ = self.layout_
+        if self.probability is not None:
+            splits = self._splits(labels, stamps)
+            self.calibrators_ = svm.calibrated(gram, codes, self.class_names, splits)
+            self.layout_ = Probabilities(self.class_names)
         support = np.flatnonzero(np.any(machines.coefficients != 0, axis=1))
-        self.support_features_ = take(features, support)
+        self.support_features_ = take(prepared.features, support)
         self.coefficients_ = machines.coefficients[support]
         self.intercepts_ = machines.intercepts
         return self
 
     def scores(self, features: FeatureBatch) -> Scores:
-        """Return the V discriminant functions of n samples, shape (n, V)."""
-        features = self._prepared(features)
+        """Return the V discriminant functions of n samples, shape (n, V), or probabilities."""
+        features = self.samples(features)
+        if self.scaling_ is not None:
+            features = self.scaling_.transform(np.asarray(features))
         gram = self.kernel_.gram(features, self.support_features_)
         values = Machines(self.coefficients_, self.intercepts_).decide(gram)
+        if self.probability is not None:
+            values = calibration.probabilities(
+                self.probability, self.calibrators_, self.machine_layout_, values
+            )
         return Scores(values, self.layout_)
 
     def chosen(self) -> Self:
-        """Return an unfitted copy with the C and gamma that the search found."""
-        copy: Self = clone(self).set_params(search=None)
-        if hasattr(self, "kernel_"):
-            copy.set_params(C=self.C_, kernel=clone(self.kernel_))
+        """Return an unfitted copy with the parameters that the search found."""
+        copy: Self = self.with_setting(getattr(self, "chosen_", {}))
+        copy.set_params(search=None)
         return copy
 
-    def machines(self, gram: Gram, codes: NDArray[np.int64], C: float) -> Machines:
+    # ------------------------------------------------------------------ what the search needs
+
+    def with_setting(self, setting: Setting) -> Self:
+        """Return an unfitted copy with the given parameters of a grid."""
+        named = {"kernel__gamma" if n == "gamma" else n: v for n, v in setting.items()}
+        copy: Self = clone(self).set_params(**named)
+        copy._check_parameters()
+        return copy
+
+    def prepared(self, features: FeatureBatch) -> Prepared:
+        """Return n training samples scaled, with the kernel fitted on them."""
+        assert self.kernel is not None
+        return Prepared.of(features, self.kernel, self.scaling)
+
+    def machines(self, gram: Gram, codes: NDArray[np.int64], names: Sequence[str]) -> Machines:
         """Train the binary machines on an (n, n) Gram matrix."""
         train = one_against_one if self.multiclass == "oao" else one_against_all
-        return train(gram, codes, C, self.class_weight == "balanced")
+        if self.class_weight == "balanced":
+            return train(gram, codes, self.C, "balanced")
+        return train(gram, codes, self.C, of_classes(self.class_weight, names))
 
-    def layout(
-        self, names: NDArray[np.str_], machines: Machines, gram: Gram, codes: NDArray[np.int64]
+    def same_machines(self) -> tuple[Any, ...]:
+        """Return what the machines depend on: both kinds of one-against-all share them."""
+        return self.multiclass == "oao", str(self.class_weight), self.C
+
+    def machine_layout(
+        self, names: Sequence[str], machines: Machines, gram: Gram, codes: NDArray[np.int64]
     ) -> Layout:
         """Return the layout that decides on the machines' outputs."""
-        classes = tuple(str(name) for name in names)
+        classes = tuple(names)
         if self.multiclass == "oao":
             return OneAgainstOne(classes)
         if self.multiclass == "oaa":
@@ -162,49 +211,61 @@ class SVM(Classifier):
         means = [float(outputs[codes == code, code].mean()) for code in range(len(classes))]
         return ModifiedOneAgainstAll(classes, tuple(means))
 
+    def calibrated(
+        self,
+        gram: Gram,
+        codes: NDArray[np.int64],
+        names: Sequence[str],
+        splits: Sequence[tuple[Rows, Rows]],
+    ) -> list[NDArray[np.float64]]:
+        """Learn probabilities from the outputs for held-out rows of an (n, n) Gram matrix."""
+        learned_from = []
+        for training, held_out in track(splits, "calibrating"):
+            block = gram[np.ix_(training, training)]
+            machines = self.machines(block, codes[training], names)
+            layout = self.machine_layout(names, machines, block, codes[training])
+            values = machines.decide(gram[np.ix_(held_out, training)])
+            if isinstance(layout, ModifiedOneAgainstAll):
+                # Each fold has means of its own: what counts is the distance from them.
+                values = values - np.asarray(layout.class_means)
+                layout = ModifiedOneAgainstAll(layout.classes, (0.0,) * len(names))
+            learned_from.append((values, codes[held_out]))
+        values = np.concatenate([each for each, _ in learned_from])
+        truth = np.concatenate([each for _, each in learned_from])
+        return calibration.calibrators(str(self.probability), layout, values, truth)
+
+    # ------------------------------------------------------------------ privately
+
+    def _search(
+        self, prepare: Preparations, codes: NDArray[np.int64], splits: Sequence[tuple[Rows, Rows]]
+    ) -> Table:
+        assert self.search is not None
+        grid = Grid.of(self.search, self._searchable())
+        return search(grid, prepare, self.with_setting, codes, self.class_names, splits)
+
+    def _searchable(self) -> list[str]:
+        names = [*OF_MACHINES, "scaling"]
+        if isinstance(self.kernel, DistanceKernel):
+            names.append("gamma")
+        return names + [name for name in self.get_params() if name.startswith("kernel__")]
+
+    def _splits(self, labels: ArrayLike, stamps: ArrayLike | None) -> list[tuple[Rows, Rows]]:
+        return list(fold_scheme(self.folds).split(np.asarray(labels), stamps))
+
     def _check_parameters(self) -> None:
-        if self.multiclass not in MULTICLASS:
-            known = choices(self.multiclass, MULTICLASS)
-            raise UsageError(f"unknown multiclass extension '{self.multiclass}'; {known}")
-        if self.class_weight not in ("balanced", None):
-            raise UsageError(f"class_weight is 'balanced' or null, not '{self.class_weight}'")
+        allowed = {
+            "multiclass": MULTICLASS,
+            "probability": (*calibration.METHODS, None),
+        }
+        for name, values in allowed.items():
+            value = getattr(self, name)
+            if value not in values:
+                known = choices(str(value), [v for v in values if v is not None])
+                null = ", or null" if None in values else ""
+                raise UsageError(f"unknown {name} '{value}' of an SVM; {known}{null}")
+        check_class_weight(self.class_weight)
         if self.kernel is None:
             raise UsageError("an SVM needs a kernel, such as kernel={plugin: rbf}")
-        if self.C <= 0:
+        if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
-
-    def _folds(self) -> FoldScheme:
-        return InterleavedChunks(n_folds=self.n_folds, seconds=self.fold_seconds)
-
-    def _fitted_scaling(self, features: FeatureBatch) -> Scaling | None:
-        if self.scaling is None:
-            return None
-        if kind_of(features) is not FeatureKind.DENSE:
-            raise UsageError(
-                f"scaling '{self.scaling}' takes dense vectors, got {kind_of(features)}"
-            )
-        return scaling(self.scaling).fit(_finite(features))
-
-    def _prepared(self, features: FeatureBatch) -> FeatureBatch:
-        if n_samples(features) == 0:
-            raise DataError("there is no sample to classify")
-        if kind_of(features) is FeatureKind.DENSE:
-            features = _finite(features)
-        return features if self.scaling_ is None else self.scaling_.transform(np.asarray(features))
-
-
-def _finite(features: Any) -> NDArray[np.float64]:
-    features = np.asarray(features, dtype=np.float64)
-    bad = ~np.isfinite(features).all(axis=1)
-    if bad.any():
-        raise DataError(
-            f"{int(bad.sum())} of {len(features)} samples hold NaN or infinite features, the first "
-            f"is number {int(bad.argmax())}"
-        )
-    return features
-
-
-def _gram(kernel: Kernel, features: FeatureBatch, distances: Any) -> Gram:
-    if isinstance(kernel, DistanceKernel):
-        return kernel.from_distances(distances)
-    return kernel.gram(features)
+        fold_scheme(self.folds)

@@ -15,13 +15,11 @@ from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.observation import Observation, Part
 
 from .descriptors import Descriptor, parse_descriptors, responses
+from .images import GREY_SCALES, checked
 
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
 CHANNELS = ("mean", "hls")
 DEFAULT_DESCRIPTORS = ("Lxx@4", "Lxy@4", "Lyy@4", "Lxx@64", "Lxy@64", "Lyy@64")
-
-#: What a grey level is divided by to lie in [0, 255].
-_GREY_SCALES = {np.dtype(np.uint8): 1, np.dtype(np.uint16): 257}
 
 
 class CRFH(Cue):
@@ -89,7 +87,7 @@ class CRFH(Cue):
             If a parameter cannot be.
         """
         descriptors = self._checked()
-        plane = self._plane(np.asarray(observation.image))
+        plane = self._plane(checked(observation, "crfh"))
         keys = self._keys(plane, descriptors)
         occupied, counts = _count(keys)
         shares = counts / keys.size
@@ -120,13 +118,6 @@ class CRFH(Cue):
 
     def _plane(self, image: NDArray[Any]) -> NDArray[Any]:
         """Return the grey levels, in the precision asked for, shape (H, W)."""
-        colour = image.ndim == 3 and image.shape[2] == 3 and image.dtype == np.uint8
-        grey = image.ndim == 2 and image.dtype in _GREY_SCALES
-        if not (colour or grey):
-            raise UnusableObservation(
-                "crfh takes 8-bit RGB (H, W, 3) or 8 or 16-bit grey (H, W) images, got "
-                f"{image.dtype} of shape {image.shape}"
-            )
         height, width = image.shape[:2]
         if min(height, width) <= 2 * self.border:
             raise UnusableObservation(
@@ -134,8 +125,8 @@ class CRFH(Cue):
                 "side: use larger images or a smaller border"
             )
         dtype = PRECISIONS[self.precision]
-        if grey:
-            return np.asarray(image.astype(dtype) / dtype(_GREY_SCALES[image.dtype]))
+        if image.ndim == 2:
+            return np.asarray(image.astype(dtype) / dtype(GREY_SCALES[image.dtype]))
         return _mean(image, dtype) if self.channel == "mean" else _lightness(image, dtype)
 
     def _keys(self, plane: NDArray[Any], descriptors: tuple[Descriptor, ...]) -> NDArray[Any]:

@@ -30,4 +30,32 @@ def placecue_components() -> list[Component]:
             summary="Dot product between vectors",
             requires=("dense or sparse vectors",),
         ),
+        Component(
+            kind="kernel",
+            name="hi",
+            factory="placecue_kernels.hi:HistogramIntersection",
+            summary="Histogram intersection kernel",
+            requires=("sparse or dense vectors",),
+        ),
+        Component(
+            kind="kernel",
+            name="match",
+            factory="placecue_kernels.match:Match",
+            summary="Match kernel between sets of local descriptors (Wallraven et al. 2003)",
+            requires=("local descriptors",),
+        ),
+        Component(
+            kind="kernel",
+            name="sum",
+            factory="placecue_kernels.combined:Sum",
+            summary="Weighted sum of kernels",
+            requires=("what its kernels take",),
+        ),
+        Component(
+            kind="kernel",
+            name="product",
+            factory="placecue_kernels.combined:Product",
+            summary="Product of kernels",
+            requires=("what its kernels take",),
+        ),
     ]

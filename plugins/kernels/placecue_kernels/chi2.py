@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, TypeAlias
+from typing import ClassVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
-from scipy import sparse
 
 from placecue.errors import DataError
 from placecue.features import FeatureBatch, FeatureKind
@@ -15,10 +13,7 @@ from placecue.kernel import DistanceKernel, Gram
 
 from .columns import as_csr, check_same_width
 from .inverted_index import index_of
-
-#: Starts, indices and values of compressed rows or columns.
-Arrays: TypeAlias = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]
-Places: TypeAlias = NDArray[np.int32]
+from .shared import Term, shared_between, shared_within
 
 
 class Chi2(DistanceKernel):
@@ -60,14 +55,13 @@ class Chi2(DistanceKernel):
         self.check(a, b)
         index = index_of(a if b is None else b)
         _check_histograms(index.smallest)
-        postings, places, common = _arrays(index.postings), index.common_places, index.common
         if b is None:
-            shared = _shared_within(_arrays(index.rows), postings, places, common)
+            shared = shared_within(index, Term.HARMONIC)
             return _without_diagonal(_from_shared(shared, index.totals, index.totals))
         check_same_width(a, b)
         rows = as_csr(a)
         _check_histograms(float(rows.data.min(initial=np.inf)))
-        shared = _shared_between(_arrays(index.place(rows)), postings, places, common)
+        shared = shared_between(rows, index, Term.HARMONIC)
         return _from_shared(shared, rows.sum(axis=1), index.totals)
 
 
@@ -79,17 +73,10 @@ def _check_histograms(smallest: float) -> None:
         )
 
 
-def _arrays(rows: sparse.csr_array | sparse.csc_array) -> Arrays:
-    """Return starts, indices and values, of the types that the compiled loops are made for."""
-    starts = rows.indptr.astype(np.int64, copy=False)
-    return starts, rows.indices.astype(np.int32, copy=False), rows.data
-
-
 def _from_shared(shared: Gram, a: NDArray[np.float64], b: NDArray[np.float64]) -> Gram:
     """Return max(sum a + sum b - 4 shared, 0), in the memory of ``shared``."""
     shared *= -4
-    shared += a[:, None]
-    shared += b[None, :]
+    shared += np.add.outer(a, b)  # one sum, so that a Gram matrix is symmetric to the last digit
     return np.maximum(shared, 0, out=shared)
 
 
@@ -97,70 +84,3 @@ def _without_diagonal(distances: Gram) -> Gram:
     """Set the distance of each sample from itself to an exact 0."""
     np.fill_diagonal(distances, 0)
     return distances
-
-
-# error_model: no test for a division by zero in the inner loops, where x + y is above 0.
-@njit(cache=True, nogil=True, error_model="numpy")
-def _meet_all(row: NDArray[Any], x: float, values: NDArray[Any]) -> None:
-    """Add x y / (x + y) to ``row`` for a column that is stored whole."""
-    for q in range(len(row)):
-        y = values[q]
-        row[q] += x * y / (x + y)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _meet_some(
-    row: NDArray[Any], x: float, rows: NDArray[Any], values: NDArray[Any], terms: NDArray[Any]
-) -> None:
-    """Add x y / (x + y) to ``row`` for the samples in a column's postings."""
-    # Two loops: the divisions go several at a time when nothing is scattered between them.
-    for q in range(len(rows)):
-        y = values[q]
-        terms[q] = x * y / (x + y)
-    for q in range(len(rows)):
-        row[rows[q]] += terms[q]
-
-
-@njit(cache=True, nogil=True)
-def _shared_between(rows: Arrays, postings: Arrays, places: Places, common: Gram) -> Gram:
-    """Return sum_k x_k y_k / (x_k + y_k) for n rows against m indexed ones, shape (n, m)."""
-    starts, columns, values = rows
-    post_starts, post_rows, post_values = postings
-    n, m = len(starts) - 1, common.shape[1]
-    shared, terms = np.zeros((n, m)), np.empty(m)
-    for i in range(n):
-        for p in range(starts[i], starts[i + 1]):
-            x, column = values[p], columns[p]
-            if x == 0.0:
-                continue
-            if places[column] >= 0:
-                _meet_all(shared[i], x, common[places[column]])
-            else:
-                first, last = post_starts[column], post_starts[column + 1]
-                _meet_some(shared[i], x, post_rows[first:last], post_values[first:last], terms)
-    return shared
-
-
-@njit(cache=True, nogil=True)
-def _shared_within(rows: Arrays, postings: Arrays, places: Places, common: Gram) -> Gram:
-    """Return the same for indexed rows among themselves: each pair once, mirrored; no diagonal."""
-    starts, columns, values = rows
-    post_starts, post_rows, post_values = postings
-    n = len(starts) - 1
-    shared, terms = np.zeros((n, n)), np.empty(n)
-    after = post_starts[:-1].copy()
-    for i in range(n):
-        for p in range(starts[i], starts[i + 1]):
-            x, column = values[p], columns[p]
-            # Rows come in order, so this row is the first of the column's postings not yet met.
-            after[column] += 1
-            if x == 0.0:
-                continue
-            if places[column] >= 0:
-                _meet_all(shared[i, i + 1 :], x, common[places[column], i + 1 :])
-            else:
-                first, last = after[column], post_starts[column + 1]
-                _meet_some(shared[i], x, post_rows[first:last], post_values[first:last], terms)
-        for j in range(i):
-            shared[i, j] = shared[j, i]
-    return shared

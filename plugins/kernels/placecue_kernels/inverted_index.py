@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy import sparse
 from placecue.features import FeatureBatch
 
 from .columns import Columns, as_csr, compress, restrict
+from .remembered import Remembered
 
 #: Share of the samples from which on a column is also stored whole (measured on images).
 COMMON_SHARE = 0.4
@@ -69,25 +69,12 @@ def _common(postings: sparse.csc_array) -> tuple[NDArray[np.float64], NDArray[np
     return np.ascontiguousarray(postings[:, chosen].T.toarray()), places
 
 
-_indexes: dict[int, tuple[weakref.ref[FeatureBatch], InvertedIndex]] = {}
+_remembered = Remembered(InvertedIndex.build)
 
 
 def index_of(batch: FeatureBatch) -> InvertedIndex:
     """Return the index of a batch, built once for as long as that very object lives.
 
-    A robot asks for one image after another against the same training images. The batch must not
-    be written to in between.
+    The batch must not be written to in between.
     """
-    key = id(batch)
-    known = _indexes.get(key)
-    if known is not None and known[0]() is batch:
-        return known[1]
-    index = InvertedIndex.build(batch)
-
-    def forget(gone: weakref.ref[FeatureBatch]) -> None:
-        # The number may have passed to a younger object by now.
-        if key in _indexes and _indexes[key][0] is gone:
-            del _indexes[key]
-
-    _indexes[key] = (weakref.ref(batch, forget), index)
-    return index
+    return _remembered(batch)

@@ -1,0 +1,105 @@
+"""One frame from decoded image and scan to belief: ``python benchmarks/frame.py``.
+
+CRFH + SIFT + laser, each with an SVM, and SVM-DAS, as shipped but for the search. 950 frames of
+the simulated office are trained on; others are asked for one at a time, as a robot does. On one
+thread, or as many as OMP_NUM_THREADS says.
+"""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from time import perf_counter
+
+import cv2
+import numpy as np
+
+from placecue import Cue, Observation, Pipeline
+from placecue.classifier import Classifier
+from placecue.features import n_samples
+from placecue_classifiers.svm import SVM
+from placecue_cues.crfh import CRFH
+from placecue_cues.laser import LaserGeometry
+from placecue_cues.sift import SIFT
+from placecue_integrators.svm_das import SVMDAS
+from placecue_kernels.chi2 import Chi2
+from placecue_kernels.match import Match
+from placecue_kernels.rbf import RBF
+from placecue_sources.office import Office
+
+THREADS = int(os.environ["OMP_NUM_THREADS"])
+#: Samples a second that make 950 training frames of a drive, and fewer of other drives.
+TRAINING, INTEGRATION, ASKED = 11.33, 1.5, 0.7
+
+
+def cues() -> dict[str, tuple[Cue, Classifier]]:
+    return {
+        "crfh": (CRFH(), SVM(kernel=Chi2())),
+        "sift": (SIFT(), SVM(kernel=Match(n_jobs=THREADS))),
+        "laser": (LaserGeometry(), SVM(kernel=RBF(), scaling="quantiles")),
+    }
+
+
+def drive(run: int, rate: float) -> list[Observation]:
+    """A drive through the office, its images decoded."""
+    found = []
+    for each in Office(run=run, rate=rate):
+        _ = each.image
+        found.append(each)
+    return found
+
+
+def milliseconds(pipeline: Pipeline, asked: list[Observation]) -> list[float]:
+    for each in asked[:3]:
+        pipeline.believe([each])
+    times = []
+    for each in asked:
+        start = perf_counter()
+        pipeline.believe([each])
+        times.append(1e3 * (perf_counter() - start))
+    return times
+
+
+def trained(names: tuple[str, ...], training: list[Observation]) -> Pipeline:
+    """A pipeline whose integrator learns on another drive; every core helps to match."""
+    chosen = cues()
+    chosen["sift"][1].set_params(kernel=Match(n_jobs=-1))
+    pipeline = Pipeline(
+        {name: chosen[name] for name in names},
+        SVMDAS(classifier=SVM(kernel=RBF(), multiclass="oao")),
+    )
+    pipeline.fit(training, drive(3, INTEGRATION))
+    if "sift" in names:
+        pipeline.cues["sift"][1].kernel_.set_params(n_jobs=THREADS)
+    return pipeline
+
+
+def report(pipeline: Pipeline, asked: list[Observation]) -> None:
+    for name, (cue, classifier) in pipeline.cues.items():
+        kept = n_samples(classifier.support_features_)
+        times = []
+        for each in asked:
+            start = perf_counter()
+            features = cue.transform([each])
+            middle = perf_counter()
+            classifier.scores(features)
+            times.append((middle - start, perf_counter() - middle))
+        extract, score = 1e3 * np.median(times, axis=0)
+        print(f"{name:6} extract {extract:5.1f} ms, score {score:5.1f} ms, {kept} support vectors")
+    times = milliseconds(pipeline, asked)
+    print(
+        f"{' + '.join(pipeline.cues)} + SVM-DAS: median {np.median(times):.1f} ms a frame, "
+        f"fastest {min(times):.1f}"
+    )
+
+
+def main() -> None:
+    cv2.setNumThreads(THREADS)
+    training, asked = drive(1, TRAINING), drive(2, ASKED)
+    print(f"{THREADS} threads, {len(training)} training frames")
+    for names in (("crfh", "laser"), ("crfh", "sift", "laser")):
+        report(trained(names, training), asked)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""What a parameter search tries: every combination of the listed values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from placecue.errors import UsageError, choices
+
+Setting = dict[str, Any]
+
+#: Parameters that a Gram matrix does not depend on.
+OF_MACHINES = ("class_weight", "multiclass", "C")
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Values to try, by the name of the parameter.
+
+    Parameters
+    ----------
+    values : dict of str to list
+        ``C``, ``gamma`` (of the kernel), ``multiclass``, ``class_weight``, ``scaling``, and any
+        parameter of the kernel as ``kernel__NAME``.
+    """
+
+    values: dict[str, list[Any]]
+
+    @classmethod
+    def of(cls, values: Mapping[str, Sequence[Any]], known: Sequence[str]) -> Grid:
+        """Read a config.
+
+        Parameters
+        ----------
+        values : mapping of str to sequence
+            Values to try.
+        known : sequence of str
+            The parameters that can be searched.
+
+        Raises
+        ------
+        UsageError
+            If a parameter cannot be searched, a list is empty, or C or gamma is not above 0.
+        """
+        for name, tried in values.items():
+            if name not in known:
+                raise UsageError(f"search cannot vary '{name}'; {choices(name, known)}")
+            if isinstance(tried, str) or not isinstance(tried, Sequence) or not tried:
+                raise UsageError(f"search.{name} must be a list of values to try, got {tried!r}")
+            if name in ("C", "gamma", "kernel__gamma") and not all(_positive(v) for v in tried):
+                raise UsageError(f"search.{name} must list values above 0, got {list(tried)}")
+        named = {"gamma" if n == "kernel__gamma" else n: list(v) for n, v in values.items()}
+        if len(named) < len(values):
+            raise UsageError("search lists gamma and kernel__gamma, which are the same: keep one")
+        return cls(named)
+
+    def preparations(self) -> Iterator[Setting]:
+        """Yield the settings for which features or distances have to be computed anew."""
+        return self._product(n for n in self.values if n not in (*OF_MACHINES, "gamma"))
+
+    @staticmethod
+    def preparation(setting: Setting) -> Setting:
+        """Return that part of a setting for which features or distances are computed anew."""
+        return {n: v for n, v in setting.items() if n not in (*OF_MACHINES, "gamma")}
+
+    def gammas(self) -> Sequence[float | None]:
+        """Return the gammas to try; None for the kernel as it is."""
+        return self.values.get("gamma", [None])
+
+    def machines(self) -> list[Setting]:
+        """Return the settings that share a Gram matrix, C varying fastest."""
+        return list(self._product(n for n in OF_MACHINES if n in self.values))
+
+    def _product(self, names: Iterator[str]) -> Iterator[Setting]:
+        listed = list(names)
+        for values in product(*(self.values[name] for name in listed)):
+            yield dict(zip(listed, values, strict=True))
+
+
+def _positive(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0

@@ -1,0 +1,131 @@
+"""Training samples made ready for one kernel: scaled, with what all its Gram matrices share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from sklearn.base import clone
+
+from placecue.classifier import WrongKind
+from placecue.errors import DataError, UsageError
+from placecue.features import FeatureBatch, FeatureKind, kind_of
+from placecue.kernel import DistanceKernel, Gram, Kernel
+from placecue.scaling import Scaling, scaling
+from placecue_classifiers.grid import Setting
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """n training samples and a kernel fitted on them.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        Fitted.
+    scaling : Scaling or None
+        Of dense features, fitted.
+    features : batch of n samples
+        Scaled.
+    distances : object or None
+        The part of the kernel that gamma does not enter, where it has one.
+    """
+
+    kernel: Kernel
+    scaling: Scaling | None
+    features: FeatureBatch
+    distances: Any
+
+    @classmethod
+    def of(cls, features: FeatureBatch, kernel: Kernel, how: str | None) -> Prepared:
+        """Fit a copy of the kernel and the scaling named ``how`` on features, shape (n, ...).
+
+        Raises
+        ------
+        UsageError
+            If scaling or kernel cannot take this kind of features.
+        """
+        fitted = fitted_scaling(features, how)
+        if fitted is not None:
+            features = fitted.transform(np.asarray(features))
+        kernel = clone(kernel)
+        try:
+            kernel.check(features)
+        except UsageError as error:
+            raise WrongKind(str(error)) from error
+        kernel.fit(features)
+        distances = kernel.distances(features) if isinstance(kernel, DistanceKernel) else None
+        return cls(kernel, fitted, features, distances)
+
+    def gram(self, gamma: float | None = None) -> Gram:
+        """Return the Gram matrix, shape (n, n), for another gamma than the kernel's if given.
+
+        Raises
+        ------
+        UsageError
+            If the kernel has no gamma.
+        DataError
+            If a value is not finite.
+        """
+        if not isinstance(self.kernel, DistanceKernel):
+            if gamma is not None:
+                raise UsageError(
+                    f"kernel {type(self.kernel).__name__} has no gamma to search: leave "
+                    "search.gamma out"
+                )
+            return _finite(self.kernel.gram(self.features), self.kernel)
+        kernel = self.kernel if gamma is None else self.with_gamma(gamma)
+        return _finite(kernel.from_distances(self.distances), kernel)
+
+    def with_gamma(self, gamma: float) -> Any:
+        """Return a copy of the fitted kernel with another gamma."""
+        return deepcopy(self.kernel).set_params(gamma=gamma)
+
+
+@dataclass
+class Preparations:
+    """Prepares the same samples for one kernel and scaling after another; remembers the last.
+
+    Parameters
+    ----------
+    make : callable
+        Prepares the samples for the parameters of a grid.
+    """
+
+    make: Callable[[Setting], Prepared]
+    last: tuple[Setting, Prepared] | None = None
+
+    def __call__(self, setting: Setting) -> Prepared:
+        """Return the samples prepared for the given parameters of kernel and scaling."""
+        if self.last is None or self.last[0] != setting:
+            # The distances of the last one may be large: let go of them first.
+            self.last = None
+            self.last = setting, self.make(setting)
+        return self.last[1]
+
+
+def fitted_scaling(features: FeatureBatch, how: str | None) -> Scaling | None:
+    """Return the scaling named ``how`` fitted on dense features, shape (n, d); None for none.
+
+    Raises
+    ------
+    UsageError
+        If there is none of that name, or the features are not dense.
+    """
+    if how is None:
+        return None
+    if kind_of(features) is not FeatureKind.DENSE:
+        raise UsageError(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
+    return scaling(how).fit(np.asarray(features))
+
+
+def _finite(gram: Gram, kernel: Kernel) -> Gram:
+    if not np.isfinite(gram).all():
+        raise DataError(
+            f"kernel {type(kernel).__name__} of these features is not finite: they are too large; "
+            "scale them, for example with scaling=standard"
+        )
+    return np.ascontiguousarray(gram)

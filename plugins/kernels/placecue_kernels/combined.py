@@ -1,0 +1,109 @@
+"""Sums and products of kernels."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar, Self
+
+import numpy as np
+from sklearn.base import clone
+
+from placecue.errors import UsageError
+from placecue.features import FeatureBatch, FeatureKind
+from placecue.kernel import Gram, Kernel
+
+
+class Combined(Kernel):
+    """Several kernels on the same features, joined into one.
+
+    Positive semi-definite if every one of them is.
+
+    Parameters
+    ----------
+    kernels : sequence of Kernel
+        The kernels; each must take the features.
+    weights : sequence of float, optional
+        One for each kernel, not negative; by default all are 1.
+
+    Attributes
+    ----------
+    kernels_ : list of Kernel
+        The kernels, fitted on training features.
+    """
+
+    accepts: ClassVar[frozenset[FeatureKind]] = frozenset(FeatureKind)
+
+    def __init__(
+        self, kernels: Sequence[Kernel] = (), weights: Sequence[float] | None = None
+    ) -> None:
+        self.kernels = kernels
+        self.weights = weights
+
+    def fit(self, features: FeatureBatch) -> Self:
+        """Fit a copy of every kernel on training features."""
+        self._checked_weights()
+        self.kernels_ = [clone(kernel).fit(features) for kernel in self.kernels]
+        return self
+
+    def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+        """Return the combined kernel, shape (n, m).
+
+        Raises
+        ------
+        UsageError
+            If there is no kernel, the weights do not go with the kernels, or one of these cannot
+            take the features.
+        """
+        weights = self._checked_weights()
+        kernels = getattr(self, "kernels_", self.kernels)
+        joined = self._weighted(kernels[0].gram(a, b), weights[0])
+        for kernel, weight in zip(kernels[1:], weights[1:], strict=True):
+            joined = self._join(joined, self._weighted(kernel.gram(a, b), weight))
+        return joined
+
+    @abstractmethod
+    def _weighted(self, gram: Gram, weight: float) -> Gram:
+        """Return a kernel under its weight."""
+
+    @abstractmethod
+    def _join(self, one: Gram, other: Gram) -> Gram:
+        """Return two kernels joined."""
+
+    def _checked_weights(self) -> Sequence[float]:
+        name = type(self).__name__.lower()
+        if not len(self.kernels):
+            raise UsageError(
+                f"kernel {name} needs kernels, such as kernels=[{{plugin: chi2}}, {{plugin: hi}}]"
+            )
+        weights = [1.0] * len(self.kernels) if self.weights is None else self.weights
+        if len(weights) != len(self.kernels) or not min(weights) >= 0:
+            raise UsageError(
+                f"kernel {name} has {len(self.kernels)} kernels and needs as many weights, none "
+                f"negative, got {list(weights)}"
+            )
+        return weights
+
+
+class Sum(Combined):
+    """K(x, y) = sum_i weight_i K_i(x, y), which says whether any kernel finds samples alike."""
+
+    def _weighted(self, gram: Gram, weight: float) -> Gram:
+        return np.multiply(gram, weight)
+
+    def _join(self, one: Gram, other: Gram) -> Gram:
+        return np.add(one, other)
+
+
+class Product(Combined):
+    """K(x, y) = prod_i K_i(x, y)**weight_i, which says whether all kernels find samples alike.
+
+    Weights other than 1 are for kernels whose powers are kernels: chi2 and rbf, for which they
+    multiply gamma.
+    """
+
+    def _weighted(self, gram: Gram, weight: float) -> Gram:
+        return np.power(gram, weight)
+
+    def _join(self, one: Gram, other: Gram) -> Gram:
+        return np.multiply(one, other)

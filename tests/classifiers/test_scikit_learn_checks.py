@@ -1,0 +1,25 @@
+"""scikit-learn's own checks pass on dense input; checks.py has those that cannot apply."""
+
+from typing import Any
+
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+from classifiers.checks import cannot_apply
+from placecue_classifiers.adaboost import AdaBoost
+from placecue_classifiers.scikit_learn import ScikitLearn
+from placecue_classifiers.svm import SVM
+from placecue_kernels.rbf import RBF
+
+CLASSIFIERS = [
+    SVM(kernel=RBF(gamma=0.5)),
+    SVM(kernel=RBF(gamma=0.5), multiclass="oao"),
+    AdaBoost(rounds=20),
+    AdaBoost(rounds=20, output="probability"),
+    ScikitLearn("sklearn.naive_bayes.GaussianNB"),
+    ScikitLearn("sklearn.linear_model.RidgeClassifier"),
+]
+
+
+@parametrize_with_checks(CLASSIFIERS, expected_failed_checks=cannot_apply, xfail_strict=True)
+def test_scikit_learn_check(estimator: Any, check: Any) -> None:
+    check(estimator)

@@ -1,0 +1,114 @@
+"""Sums and products of kernels equal sums and products of their Gram matrices."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import sparse
+from sklearn.base import clone
+from sklearn.metrics.pairwise import chi2_kernel, linear_kernel, rbf_kernel
+
+from placecue import DescriptorSets, UsageError
+from placecue.composition import components_of
+from placecue.config import build, describe
+from placecue.discovery.manager import load_plugins
+from placecue.storage.state import Decoder, Encoder
+from placecue_classifiers.svm import SVM
+from placecue_kernels.chi2 import Chi2
+from placecue_kernels.combined import Combined, Product, Sum
+from placecue_kernels.hi import HistogramIntersection
+from placecue_kernels.linear import Linear
+from placecue_kernels.match import Match
+from placecue_kernels.rbf import RBF
+
+REGISTRY = load_plugins(built_ins_only=True).registry
+
+
+def histograms(n: int, seed: int) -> np.ndarray:
+    values = np.random.default_rng(seed).random((n, 12))
+    return values / values.sum(axis=1, keepdims=True)
+
+
+def test_sum_and_product() -> None:
+    x, y = histograms(7, 0), histograms(5, 1)
+    chi2, rbf = chi2_kernel(x, y, gamma=2.0), rbf_kernel(x, y, gamma=3.0)
+    kernels = [Chi2(2.0), RBF(3.0)]
+    found = Sum(kernels, [0.5, 2]).gram(x, y)
+    np.testing.assert_allclose(found, 0.5 * chi2 + 2 * rbf, atol=1e-12)
+    np.testing.assert_allclose(Product(kernels).gram(x, y), chi2 * rbf, atol=1e-12)
+    found = Product(kernels, [0.5, 2]).gram(x, y)
+    np.testing.assert_allclose(found, np.sqrt(chi2) * rbf**2, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", [Sum, Product])
+def test_positive_semi_definite_where_its_kernels_are(kind: type[Combined]) -> None:
+    kernel = kind([Chi2(), HistogramIntersection(), Linear()])
+    gram = kernel.gram(sparse.csr_array(histograms(20, 2)))
+    np.testing.assert_allclose(gram, gram.T, atol=1e-15)
+    assert np.linalg.eigvalsh(gram).min() > -1e-10
+
+
+def test_kernels_are_fitted_on_training_features() -> None:
+    x = histograms(9, 3) - 0.1
+    kernel = Sum([HistogramIntersection(), Linear()])
+    fitted = kernel.fit(x)
+    shifted = x - np.minimum(x.min(axis=0), 0)
+    wanted = np.minimum(shifted[:, None], shifted).sum(axis=2) + linear_kernel(x)
+    np.testing.assert_allclose(fitted.gram(x, x), wanted, atol=1e-12)
+    assert not hasattr(kernel.kernels[0], "minimum_")
+
+
+@pytest.mark.parametrize(
+    ("kernel", "message"),
+    [
+        (Sum(), "sum needs kernels"),
+        (Product([Linear()], [1, 2]), "product has 1 kernels and needs as many weights"),
+        (Sum([Linear()], [-1]), "none negative"),
+        (Sum([Linear(), Match()]), "Match takes set of local descriptors, got dense vector"),
+    ],
+)
+def test_mistakes(kernel: Combined, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        kernel.gram(histograms(3, 0))
+
+
+def test_descriptor_sets_can_be_summed_over() -> None:
+    sets = DescriptorSets(np.eye(4, dtype=np.float32), np.array([0, 2, 4]))
+    found = Sum([Match(1.0), Match(0.5)]).gram(sets)
+    other = np.exp(-2.0) + np.exp(-1.0)
+    np.testing.assert_allclose(found, [[2, other], [other, 2]], atol=1e-6)
+
+
+def test_configs_and_cloning() -> None:
+    spec = {
+        "plugin": "product",
+        "kernels": [{"plugin": "chi2", "gamma": 0.5}, {"plugin": "hi", "shift": True}],
+        "weights": None,
+    }
+    kernel = build(spec, "kernel", REGISTRY)
+    assert isinstance(kernel.kernels[0], Chi2)
+    assert describe(kernel, REGISTRY) == spec
+    assert describe(clone(kernel), REGISTRY) == spec
+    wrong = {"plugin": "sum", "kernels": [{"plugin": "chi3"}]}
+    with pytest.raises(UsageError, match="unknown kernel 'chi3'; did you mean 'chi2'"):
+        build(wrong, "kernel", REGISTRY)
+    with pytest.raises(UsageError, match="kernels must be a list of kernel"):
+        build({"plugin": "sum", "kernels": [1, 2]}, "kernel", REGISTRY)
+
+
+def test_a_trained_model_is_stored_and_read(tmp_path: Path) -> None:
+    x, labels = histograms(40, 4) - 0.1, np.repeat(list("abcd"), 10)
+    model = SVM(kernel=Sum([HistogramIntersection(), RBF(5.0)])).fit(x, labels)
+    encoder = Encoder(REGISTRY)
+    state = encoder.state(model, "svm")
+    again = clone(model)
+    Decoder(REGISTRY, encoder.arrays).restore(again, state)
+    np.testing.assert_array_equal(again.scores(x).values, model.scores(x).values)
+
+
+def test_a_model_folder_names_the_kernels_inside() -> None:
+    classifier = {"plugin": "svm", "kernel": {"plugin": "sum", "kernels": [{"plugin": "hi"}]}}
+    spec = {"plugin": "gist", "classifier": classifier}
+    named = set(components_of({"cues": {"gist": spec}, "integrator": None}, REGISTRY))
+    wanted = {("cue", "gist"), ("classifier", "svm"), ("kernel", "sum"), ("kernel", "hi")}
+    assert named == wanted

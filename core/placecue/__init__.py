@@ -22,15 +22,17 @@ if TYPE_CHECKING:
         UnusableObservation,
         UsageError,
     )
+    from placecue.estimators import allow_estimators
     from placecue.evidence import Evidence, ObservedEvidence, StoredEvidence
     from placecue.features import DescriptorSets, FeatureBatch, FeatureKind, Features
-    from placecue.folds import Blocks, FoldScheme, InterleavedChunks
+    from placecue.folds import Blocks, ByLog, FoldScheme, InterleavedChunks, Shuffled
     from placecue.integrator import Integrator
     from placecue.kernel import DistanceKernel, Kernel
     from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
     from placecue.pipeline import Pipeline
     from placecue.scores import (
         Decision,
+        DecisionList,
         Layout,
         ModifiedOneAgainstAll,
         OneAgainstAll,
@@ -52,13 +54,15 @@ _MODULES = {
     "errors": ("DataError", "PlacecueError", "PluginError", "UnusableObservation", "UsageError"),
     "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence"),
     "features": ("DescriptorSets", "FeatureBatch", "FeatureKind", "Features"),
-    "folds": ("Blocks", "FoldScheme", "InterleavedChunks"),
+    "folds": ("Blocks", "ByLog", "FoldScheme", "InterleavedChunks", "Shuffled"),
+    "estimators": ("allow_estimators",),
     "integrator": ("Integrator",),
     "kernel": ("DistanceKernel", "Kernel"),
     "observation": ("EncodedImage", "LaserScan", "Observation", "Pose2D"),
     "pipeline": ("Pipeline",),
     "scores": (
         "Decision",
+        "DecisionList",
         "Layout",
         "ModifiedOneAgainstAll",
         "OneAgainstAll",

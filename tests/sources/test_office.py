@@ -66,10 +66,14 @@ def test_stamps_and_count(office: Office, drive: list[Observation]) -> None:
     assert office.count() == len(drive)
     assert set(np.diff([observation.stamp for observation in drive])) == {200_000_000}
     assert office.metadata == {
+        "dataset": "office",
         "world": "idol2_floor",
+        "seed": "0",
         "illumination": "cloudy",
         "run": "1",
-        "seed": "0",
+        "half_years": "0",
+        "route": "planned",
+        "camera": "pinhole 320x240 f=237.21 c=160,120",  # 160 / tan 34 degrees
     }
 
 
@@ -177,8 +181,8 @@ def test_images_are_of_the_asked_size_and_well_exposed(drive: list[Observation])
 
 
 def colours(source: Office) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
-    """Return 6 x 6 x 6 colour histograms of every fifth image, and the labels."""
-    chosen = list(source)[::5]
+    """Return 6 x 6 x 6 colour histograms of every eighth image, and the labels."""
+    chosen = list(source)[::8]
     bins = [
         np.asarray(each.image, dtype=int).reshape(-1, 3) * 6 // 256 @ [36, 6, 1] for each in chosen
     ]
@@ -187,15 +191,18 @@ def colours(source: Office) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
 
 
 def test_rooms_look_different_and_alike_from_run_to_run() -> None:
-    trained, labels = colours(Office(run=1, width=160, height=120))
-    tested, truth = colours(Office(run=2, width=160, height=120))
+    trained, labels = colours(Office(run=1, width=80, height=60))
+    tested, truth = colours(Office(run=2, width=80, height=60))
     nearest = np.abs(tested[:, None] - trained[None]).sum(axis=2).argmin(axis=1)
     recalls = [(labels[nearest] == truth)[truth == room].mean() for room in sorted(ROOMS)]
-    assert np.mean(recalls) > 0.8
+    assert np.mean(recalls) > 0.6, recalls  # a guess gets 0.2
 
 
 def test_the_light_changes_the_image_and_nothing_else(drive: list[Observation]) -> None:
-    night = list(Office(illumination="night", samples=11))
+    cloudy, night = (
+        list(Office(illumination=light, drive=10, samples=11)) for light in ("cloudy", "night")
+    )
+    assert cloudy[10].pose == drive[10].pose  # the number of the first run's own
     assert night[10].pose == drive[10].pose
     np.testing.assert_array_equal(night[10].scan.ranges, drive[10].scan.ranges)  # type: ignore[union-attr]
     by_day, by_night = (np.asarray(each[10].image, dtype=float) for each in (drive, night))
@@ -207,8 +214,8 @@ def test_the_light_changes_the_image_and_nothing_else(drive: list[Observation]) 
 
 
 def test_end_points_lie_on_the_plan(office: Office, drive: list[Observation]) -> None:
-    faces = office.built.faces_at(0.3)
     for row in range(0, len(drive), 60):
+        faces = office.geometry(row).cut(0.3)
         scan, (x, y, theta) = drive[row].scan, office.true_poses[row]
         assert scan is not None
         valid = scan.valid()
@@ -220,7 +227,7 @@ def test_end_points_lie_on_the_plan(office: Office, drive: list[Observation]) ->
 
 
 def test_beams_agree_with_a_caster_in_a_grid(office: Office) -> None:
-    exact = list(Office(range_noise=0.0, samples=200))
+    exact = list(Office(range_noise=0.0, samples=200, walkers=0))
     raster = Raster.over(office.built.plan, 0.02)
     blocks = [block for block in office.built.blocks if block.closed]
     solid = raster.fill(block.outline for block in blocks if block.bottom <= 0.3 < block.top)
@@ -235,7 +242,7 @@ def test_beams_agree_with_a_caster_in_a_grid(office: Office) -> None:
 
 
 def test_one_measures_through_an_open_door_and_not_through_the_wall(office: Office) -> None:
-    faces = office.built.faces_at(0.3)
+    faces = Office(clutter=0, seated=0.0).built.geometry.cut(0.3)
     middle = np.array([6.2, 16.45])
     through, beside = (
         cast_from(faces, middle, np.array(target)) for target in ([4.0, 16.45], [4.0, 17.9])
@@ -271,7 +278,7 @@ def test_real_scans_of_the_floor_meet_the_plan(office: Office) -> None:
     folder = Path(str(DATA)) / "idol2"
     with (folder / "scans_sample.csv").open() as file:
         poses = {row["scan_stamp"]: row for row in csv.DictReader(file) if row["x"]}
-    faces = office.built.faces_at(0.3)
+    faces = Office(clutter=0, seated=0.0).built.geometry.cut(0.3)
     shares = []
     for line in (folder / "scans_sample.tdf").read_text().splitlines():
         fields = line.split()

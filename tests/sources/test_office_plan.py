@@ -12,9 +12,8 @@ from placecue.errors import DataError
 from placecue_sources.office import Office
 from placecue_sources.office.blocks import furniture_blocks
 from placecue_sources.office.plan import Furniture, Plan
-from placecue_sources.office.plan_file import read_plan
+from placecue_sources.office.plan_file import PLANS, read_plan
 from placecue_sources.office.scene import build_skin
-from placecue_sources.office.simulator import PLANS
 
 FLOOR = PLANS / "idol2_floor.geojson"
 

@@ -69,6 +69,24 @@ class Skin(NamedTuple):
     heights: NDArray[np.int64]
 
 
+class Sun(NamedTuple):
+    """Sunlight through windows.
+
+    Attributes
+    ----------
+    windows : ndarray of float64, shape (k, 7)
+        Those that the sun shines through: ends in the plan, lower and upper edge, m, and room.
+    toward : ndarray of float64, shape (5,)
+        Where the sun is: direction in the plan, rise a metre, cosine and sine of its elevation.
+    colour : ndarray of float64, shape (3,)
+        Light on a surface that faces it.
+    """
+
+    windows: NDArray[np.float64]
+    toward: NDArray[np.float64]
+    colour: NDArray[np.float64]
+
+
 class Ground(NamedTuple):
     """What depends on the place in the plan.
 
@@ -86,6 +104,8 @@ class Ground(NamedTuple):
         Lower left corner of the cells, m.
     cell : float
         Width of a cell, m.
+    sun : Sun
+        What falls through the windows besides.
     """
 
     rooms: NDArray[np.int64]
@@ -95,6 +115,7 @@ class Ground(NamedTuple):
     x: float
     y: float
     cell: float
+    sun: Sun
 
 
 class Eye(NamedTuple):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import NamedTuple, TypeAlias
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ Sizes: TypeAlias = NDArray[np.int64]
 
 #: Sizes that each texture is kept at.
 LEVELS = 10
+
+#: Sets the draws of repeating surfaces apart from those of pictures.
+_SURFACE = 2**31
 
 
 class Look(NamedTuple):
@@ -37,7 +41,8 @@ class AtlasBuilder:
     """Draws textures as materials are asked for.
 
     A material is a name, or a name and a colour: ``wood #b08050``. Repeating surfaces are drawn
-    once for each material; pictures are drawn anew for each face.
+    once for each material; pictures are drawn anew for each face. What is drawn does not depend
+    on what else there is.
 
     Parameters
     ----------
@@ -56,8 +61,16 @@ class AtlasBuilder:
         self._pyramids: list[list[NDArray[np.uint8]]] = []
         self._known: dict[str, Look] = {}
 
-    def look(self, material: str, width: float, height: float) -> Look:
+    def look(self, material: str, width: float, height: float, key: int = 0, face: int = 0) -> Look:
         """Return the look of a face of ``width`` by ``height`` metres.
+
+        Parameters
+        ----------
+        material : str
+        width, height : float
+            m.
+        key, face : int
+            Decide how a picture is drawn.
 
         Raises
         ------
@@ -72,16 +85,17 @@ class AtlasBuilder:
         if name not in PICTURES:
             raise DataError(f"no material '{name}': {choices(name, [*SURFACES, *PICTURES])}")
         rows, columns = (_power_of_two(metres * self.resolution) for metres in (height, width))
-        texture = self._add(PICTURES[name](self._rng(), colour, rows, columns))
+        texture = self._add(PICTURES[name](self._rng(key, face), colour, rows, columns))
         return Look(texture, 1.0 / width, 1.0 / height)
 
     def _surface(self, name: str, colour: NDArray[np.float64]) -> Look:
         surface = SURFACES[name]
-        texture = self._add(surface.draw(self._rng(), colour, self.size))
+        rng = self._rng(_SURFACE, crc32(name.encode()), *colour.astype(int).tolist())
+        texture = self._add(surface.draw(rng, colour, self.size))
         return Look(texture, 1.0 / surface.metres, 1.0 / (surface.tall or surface.metres))
 
-    def _rng(self) -> np.random.Generator:
-        return np.random.default_rng([self.seed, len(self._pyramids)])
+    def _rng(self, *key: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, *key])
 
     def _add(self, drawn: NDArray[np.float64]) -> int:
         self._pyramids.append(_pyramid(drawn))

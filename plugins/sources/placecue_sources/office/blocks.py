@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,8 @@ class Block:
         How bright it shines by itself, in units of the daylight; 0 does not.
     solid : bool
         Whether a robot would bump into it.
+    key : int
+        Decides how pictures on it are drawn.
     """
 
     outline: Points
@@ -38,6 +40,7 @@ class Block:
     cover: str | None = None
     glow: float = 0.0
     solid: bool = True
+    key: int = 0
 
     @property
     def closed(self) -> bool:
@@ -47,7 +50,7 @@ class Block:
 
 def blocks_of(plan: Plan, furniture: tuple[Furniture, ...]) -> list[Block]:
     """Return every block of a plan, with the furniture where it stands in this run."""
-    blocks = [_wall(wall) for wall in plan.walls]
+    blocks = [_wall(wall, key) for key, wall in enumerate(plan.walls)]
     blocks += [_panel(panel) for panel in plan.panels]
     blocks += [_lamp(lamp, plan.height) for lamp in plan.lamps]
     for item in furniture:
@@ -55,19 +58,19 @@ def blocks_of(plan: Plan, furniture: tuple[Furniture, ...]) -> list[Block]:
     return blocks
 
 
-def _wall(wall: Wall) -> Block:
+def _wall(wall: Wall, key: int) -> Block:
     start, end = wall.line
     along = (end - start) / np.linalg.norm(end - start)
     side = 0.5 * wall.thickness * np.array([-along[1], along[0]])
     outline = np.array([start - side, end - side, end + side, start + side])
-    return Block(
-        outline, wall.bottom, wall.top, (wall.material,) * 4, wall.material or "plain #d8d5cc"
-    )
+    cover = wall.material or "plain #d8d5cc"
+    return Block(outline, wall.bottom, wall.top, (wall.material,) * 4, cover, key=key)
 
 
 def _panel(panel: Panel) -> Block:
     glow = 1.0 if panel.window else 0.0
-    return Block(panel.line, panel.bottom, panel.top, (panel.material,), None, glow, solid=False)
+    sides = (panel.material,)
+    return Block(panel.line, panel.bottom, panel.top, sides, None, glow, False, panel.key)
 
 
 def _lamp(lamp: Points, ceiling: float) -> Block:
@@ -87,7 +90,7 @@ def furniture_blocks(item: Furniture) -> list[Block]:
     """
     if item.type not in _TYPES:
         raise DataError(f"furniture of type '{item.type}': {choices(item.type, _TYPES)}")
-    return list(_TYPES[item.type](item))
+    return [replace(block, key=item.key) for block in _TYPES[item.type](item)]
 
 
 def _box(item: Furniture) -> Iterator[Block]:

@@ -69,6 +69,8 @@ class Panel:
         What is on it.
     window : bool
         Whether daylight comes through.
+    key : int
+        Decides how its picture is drawn.
     """
 
     line: Points
@@ -76,6 +78,7 @@ class Panel:
     top: float
     material: str
     window: bool = False
+    key: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +97,8 @@ class Furniture:
         Materials of the long sides, of the top and of the short sides.
     moves : float
         How far it may stand from its place in another run, m; 0 stays.
+    key : int
+        Decides how its pictures are drawn.
     """
 
     type: str
@@ -104,6 +109,7 @@ class Furniture:
     cover: str
     ends: str
     moves: float = 0.0
+    key: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,3 +161,9 @@ def inside(outline: Points, points: Points) -> NDArray[np.bool_]:
         if ya != yb:
             odd ^= ((ya <= y) != (yb <= y)) & (x < xa + (y - ya) / (yb - ya) * (xb - xa))
     return odd
+
+
+def turned(points: Points, angle: float) -> Points:
+    """Return points (n, 2) turned about the origin by an angle in rad."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))

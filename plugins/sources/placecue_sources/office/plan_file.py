@@ -4,15 +4,42 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from placecue.errors import DataError, choices
+from placecue.errors import DataError, UsageError, choices
 from placecue_sources.office.plan import Furniture, Panel, Plan, Points, Room, Wall
 
 Properties = Mapping[str, Any]
+
+#: First keys of the panels' and the furniture's pictures; walls and doors take those below.
+_PANELS, _FURNITURE = 10_000, 20_000
+
+
+#: Where the plans are that are shipped.
+PLANS = Path(__file__).parent
+
+
+def find_plan(world: str) -> Path:
+    """Return the file of a world: a plan that is shipped, by name, or a path.
+
+    Raises
+    ------
+    UsageError
+        If no plan has that name.
+    """
+    if world.endswith(".geojson"):
+        return Path(world)
+    plans = {path.stem: path for path in PLANS.glob("*.geojson")}
+    if world not in plans:
+        raise UsageError(
+            f"no world '{world}': {choices(world, plans)}; a plan of your own is given as the path "
+            "of its .geojson file"
+        )
+    return plans[world]
 
 
 def read_plan(path: str | Path) -> Plan:
@@ -51,11 +78,15 @@ def _plan(name: str, height: float, features: Iterable[Mapping[str, Any]]) -> Pl
         height=height,
         rooms=tuple(kinds["room"]),
         walls=(*kinds["wall"], *kinds["door"]),
-        panels=(*kinds["panel"], *kinds["window"]),
-        furniture=tuple(kinds["furniture"]),
+        panels=_keyed([*kinds["panel"], *kinds["window"]], _PANELS),
+        furniture=_keyed(kinds["furniture"], _FURNITURE),
         lamps=np.array(kinds["lamp"], dtype=float).reshape(-1, 4),
         tour=np.vstack(kinds["tour"]),
     )
+
+
+def _keyed(items: list[Any], first: int) -> tuple[Any, ...]:
+    return tuple(replace(item, key=first + number) for number, item in enumerate(items))
 
 
 def _points(geometry: Mapping[str, Any]) -> Points:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import cv2
@@ -133,7 +134,17 @@ class Planner:
         legs = [self._leg(a, b) for a, b in pairwise(stops) if a != b]
         if not legs:
             raise DataError("the tour does not go anywhere: it needs two places apart or more")
-        cells = np.concatenate([legs[0][:1], *(leg[1:] for leg in legs)])
+        return self.smoothed(np.concatenate([legs[0][:1], *(leg[1:] for leg in legs)]))
+
+    @cached_property
+    def reachable(self) -> NDArray[np.int64]:
+        """The cells of the largest part of the building that hangs together."""
+        _, parts = csgraph.connected_components(self.graph, directed=False)
+        sizes = np.bincount(parts, weights=self.room > self.radius)
+        return np.flatnonzero((parts == sizes.argmax()) & (self.room > self.radius))
+
+    def smoothed(self, cells: NDArray[np.int64]) -> Points:
+        """Return a smooth way through neighbouring cells, points about 5 cm apart, (n, 2)."""
         rough = resample(self.centres[cells], 0.05)
         for width in (9.0, 6.0, 4.0, 2.0):  # in points of 5 cm
             smooth = np.asarray(ndimage.gaussian_filter1d(rough, width, axis=0, mode="nearest"))

@@ -10,6 +10,9 @@ from placecue_sources.office.atlas import AtlasBuilder, Look
 from placecue_sources.office.blocks import Block
 from placecue_sources.office.plan import Plan
 
+#: The number of a block's cover, beside those of its sides.
+COVER = 999
+
 
 def build_geometry(plan: Plan, blocks: list[Block]) -> Geometry:
     """Flatten the blocks of a plan."""
@@ -35,7 +38,9 @@ def build_skin(plan: Plan, blocks: list[Block], seed: int) -> Skin:
     """
     builder = AtlasBuilder(seed)
     looks = [look for block in blocks for look in _face_looks(plan, block, builder)]
-    looks += [builder.look(block.cover or "plain", *_extent(block)) for block in blocks]
+    looks += [
+        builder.look(block.cover or "plain", *_extent(block), block.key, COVER) for block in blocks
+    ]
     looks += [builder.look(room.floor, 1.0, 1.0) for room in plan.rooms]
     looks += [builder.look(room.ceiling, 1.0, 1.0) for room in plan.rooms]
     return Skin(
@@ -63,8 +68,10 @@ def _face_looks(plan: Plan, block: Block, builder: AtlasBuilder) -> list[Look]:
     facing = plan.room_at(starts + 0.5 * along + 0.1 * outward)
     height = block.top - block.bottom
     return [
-        builder.look(side or _wall_material(plan, room), length, height)
-        for side, room, length in zip(block.sides, facing, lengths, strict=True)
+        builder.look(side or _wall_material(plan, room), length, height, block.key, number)
+        for number, (side, room, length) in enumerate(
+            zip(block.sides, facing, lengths, strict=True)
+        )
     ]
 
 

@@ -6,7 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from placecue_sources.office.arrays import FLOOR, Eye, Geometry, Ground, Skin
+from placecue_sources.office.arrays import CEILING, FLOOR, Eye, Geometry, Ground, Skin
+from placecue_sources.office.sun import shading, sunlit
 
 
 @njit(cache=True)
@@ -43,8 +44,19 @@ def texel(
 
 
 @njit(cache=True)
-def lit(light: NDArray[np.float32], u: float, v: float, channel: NDArray[np.float64]) -> None:
-    """Multiply ``channel`` (3,) by the light between cells; u, v count cells from the corner."""
+def lit(
+    light: NDArray[np.float32],
+    u: float,
+    v: float,
+    dimmed: float,
+    sun: NDArray[np.float64],
+    share: float,
+    channel: NDArray[np.float64],
+) -> None:
+    """Multiply ``channel`` (3,) by the light between cells; u, v count cells from the corner.
+
+    ``dimmed`` is what part of that light arrives, ``share`` what part of the sunlight.
+    """
     u, v = (
         min(max(u - 0.5, 0.0), light.shape[1] - 1.001),
         min(max(v - 0.5, 0.0), light.shape[0] - 1.001),
@@ -54,7 +66,7 @@ def lit(light: NDArray[np.float32], u: float, v: float, channel: NDArray[np.floa
     for k in range(3):
         low = light[i, j, k] * (1 - q) + light[i, j + 1, k] * q
         high = light[i + 1, j, k] * (1 - q) + light[i + 1, j + 1, k] * q
-        channel[k] *= low * (1 - p) + high * p
+        channel[k] *= (low * (1 - p) + high * p) * dimmed + share * sun[k]
 
 
 @njit(cache=True)
@@ -122,20 +134,26 @@ def shade(
     columns, rows = depth.shape
     image = np.empty((rows, columns, 3), dtype=np.float32)
     channel = np.empty(3)
+    toward = ground.sun.toward
+    blocks = shading(geometry, ground)
     for column in range(columns):
         aside = (0.5 * columns - column - 0.5) / eye.focal
         dx, dy = eye.cos - eye.sin * aside, eye.sin + eye.cos * aside
         for row in range(rows):
             reach, number = depth[column, row], surface[column, row]
             down = (row + 0.5 - 0.5 * rows) / eye.focal
-            x, y, pixel = eye.x + reach * dx, eye.y + reach * dy, reach / eye.focal
+            px, py, pixel = eye.x + reach * dx, eye.y + reach * dy, reach / eye.focal
+            x, y = px, py
             if 0 <= number < len(geometry.faces):
                 u, square, nx, ny = _on_face(geometry.faces[number], x, y, dx, dy)
                 v = eye.z - reach * down - geometry.spans[number, 0]
-                x, y = x + 0.15 * nx, y + 0.15 * ny  # the light in front of the face
+                x, y = px + 0.15 * nx, py + 0.15 * ny  # the light in front of the face
+                px, py = px + 0.01 * nx, py + 0.01 * ny
                 dimmed = 0.72 + 0.28 * abs(nx)
+                facing = (nx * toward[0] + ny * toward[1]) * toward[3]
             else:
                 u, v, square, dimmed = x, y, abs(down), 1.0
+                facing = toward[4] if down > 0.0 and number != CEILING else 0.0
             gx, gy = (x - ground.x) / ground.cell, (y - ground.y) / ground.cell
             i, j = _clamp(gy, ground.rooms.shape[0]), _clamp(gx, ground.rooms.shape[1])
             if number == FLOOR:
@@ -143,10 +161,16 @@ def shade(
             at = _resolve(number, geometry, skin, ground, i, j)
             _look_up(skin, at, u, v, pixel / np.sqrt(max(square, 0.03)), channel)
             if skin.glows[at] == 0.0:
-                lit(ground.light, gx, gy, channel)
+                if facing > 0.0 and len(ground.sun.windows) > 0:
+                    height = eye.z - reach * down
+                    room = ground.rooms[i, j]
+                    if not sunlit(geometry, ground.sun, blocks, room, px, py, height):
+                        facing = 0.0
+                share = max(facing, 0.0) if len(ground.sun.windows) > 0 else 0.0
+                lit(ground.light, gx, gy, dimmed, ground.sun.colour, share, channel)
             for k in range(3):
                 own = 1.0 if skin.glows[at] == 0.0 else ground.shine[int(skin.glows[at] < 0.0), k]
-                image[row, column, k] = channel[k] * dimmed * own
+                image[row, column, k] = channel[k] * own
     return image
 
 

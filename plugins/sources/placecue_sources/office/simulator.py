@@ -12,26 +12,38 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import UsageError, choices
 from placecue.observation import Image, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources.checks import check_choice, check_number, check_whole
+from placecue_sources.office.arrays import Geometry
 from placecue_sources.office.camera import Camera
 from placecue_sources.office.drive import odometry, sample
+from placecue_sources.office.exposure import Exposure
+from placecue_sources.office.floor import dense
 from placecue_sources.office.laser import Laser
 from placecue_sources.office.light import ILLUMINATIONS
-from placecue_sources.office.plan_file import read_plan
-from placecue_sources.office.world import BEAMS, PIXELS, WHEELS, World
-
-PLANS = Path(__file__).parent
+from placecue_sources.office.people import Walk
+from placecue_sources.office.plan_file import find_plan, read_plan
+from placecue_sources.office.recorded import Drive, all_positions, find_poses, recorded_drive
+from placecue_sources.office.world import BEAMS, PIXELS, WHEELS, Life, Recording, World
 
 #: Changes whenever the same parameters give other observations.
-VERSION = 1
+VERSION = 2
 
 #: What may be given as the pose.
 POSES = ("odometry", "truth")
 
-_WHOLE = {"seed": 0, "run": 0, "width": 1, "height": 1, "beams": 1}
+#: How the robot may find its way.
+ROUTES = ("planned", "idol2", "explore")
+
+#: Distance beyond the robot's radius that things keep from the lines of the tour, m.
+ASIDE = 0.15
+
+_WHOLE = {
+    **{"seed": 0, "run": 0, "width": 1, "height": 1, "beams": 1},
+    **{"runs_together": 1, "clutter": 0, "walkers": 0},
+}
+_PARTS = ("seated", "shutter", "exposure_lag", "image_noise", "range_noise", "drift")
 _POSITIVE = (
     *("rate", "speed", "turn_rate", "field_of_view", "camera_height"),
     *("laser_field_of_view", "max_range", "robot_radius", "robot_height"),
@@ -53,9 +65,26 @@ class Office(Source):
     seed : int
         The world: what its things look like.
     run : int
-        The drive: the way taken, and where chairs and boxes stand.
+        Which recording: another way taken, chairs, boxes and papers moved.
     illumination : str
-        ``cloudy``, ``night`` or ``sunny``.
+        ``cloudy``, ``night`` or ``sunny``; another recording too, unless ``drive`` is given.
+    drive : int or None
+        Decides the way taken and what was moved; None gives every run in every illumination a
+        drive of its own.
+    runs_together : int
+        So many runs are recorded close in time; before the next ones furniture and posters are
+        exchanged ("half a year later").
+    route : str
+        ``planned``: through the places of the plan's tour; ``idol2``: the drives recorded there;
+        ``explore``: by itself (Yamauchi, CIRA 1997).
+    poses : str or None
+        The recorded poses (``poses.csv.gz``); None looks in the folder ``PLACECUE_DATA``.
+    clutter : int
+        How many small things stand about; two in ten are put elsewhere in each recording.
+    walkers : int
+        How many people walk about.
+    seated : float
+        Part of the chairs that somebody sits on.
     samples : int or None
         Observations after which the drive ends; None drives the whole tour.
     rate : float
@@ -72,6 +101,10 @@ class Office(Source):
         m.
     image_noise : float
         Standard deviation of the camera's noise, grey levels.
+    shutter : float
+        Time that the shutter is open at an exposure of 1, s: it blurs what the robot turns past.
+    exposure_lag : float
+        Time that the automatic exposure takes to follow, s.
     beams : int
         Number of laser beams.
     laser_field_of_view : float
@@ -90,7 +123,7 @@ class Office(Source):
     robot_radius, robot_height : float
         What has to fit through, m.
     start : float
-        Time of the first observation, s.
+        Time of the first observation, s; a recorded drive has its own times.
     """
 
     def __init__(
@@ -99,6 +132,13 @@ class Office(Source):
         seed: int = 0,
         run: int = 1,
         illumination: str = "cloudy",
+        drive: int | None = None,
+        runs_together: int = 2,
+        route: str = "planned",
+        poses: str | None = None,
+        clutter: int = 15,
+        walkers: int = 2,
+        seated: float = 0.12,
         samples: int | None = None,
         rate: float = 5.0,
         speed: float = 1.0,
@@ -108,6 +148,8 @@ class Office(Source):
         field_of_view: float = 68.0,
         camera_height: float = 1.0,
         image_noise: float = 3.0,
+        shutter: float = 0.008,
+        exposure_lag: float = 0.3,
         beams: int = 361,
         laser_field_of_view: float = 180.0,
         laser_height: float = 0.3,
@@ -123,6 +165,13 @@ class Office(Source):
         self.seed = seed
         self.run = run
         self.illumination = illumination
+        self.drive = drive
+        self.runs_together = runs_together
+        self.route = route
+        self.poses = poses
+        self.clutter = clutter
+        self.walkers = walkers
+        self.seated = seated
         self.samples = samples
         self.rate = rate
         self.speed = speed
@@ -132,6 +181,8 @@ class Office(Source):
         self.field_of_view = field_of_view
         self.camera_height = camera_height
         self.image_noise = image_noise
+        self.shutter = shutter
+        self.exposure_lag = exposure_lag
         self.beams = beams
         self.laser_field_of_view = laser_field_of_view
         self.laser_height = laser_height
@@ -150,13 +201,24 @@ class Office(Source):
 
     @property
     def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
-        """World, illumination, run and seed."""
+        """What the recording is, so that sequences can be paired by rule, and the camera."""
+        size = f"{self.width}x{self.height}"
+        focal = 0.5 * self.width / np.tan(np.radians(0.5 * self.field_of_view))
         return {
+            "dataset": "office",
             "world": Path(self.world).stem,
+            "seed": str(self.seed),
             "illumination": self.illumination,
             "run": str(self.run),
-            "seed": str(self.seed),
+            "half_years": str(self.half_years),
+            "route": self.route,
+            "camera": f"pinhole {size} f={focal:.6g} c={self.width / 2:g},{self.height / 2:g}",
         }
+
+    @property
+    def half_years(self) -> int:
+        """How often furniture and posters have been exchanged since the first run."""
+        return max(self.run - 1, 0) // self.runs_together
 
     def __iter__(self) -> Iterator[Observation]:
         """Yield the observations of the drive.
@@ -167,15 +229,15 @@ class Office(Source):
             If a parameter has an impossible value.
         """
         built, given = self.built, self._given_poses
-        faces = built.faces_at(self.laser_height)
         laser = Laser(self.beams, self.laser_field_of_view, self.max_range, self.range_noise)
         frame = "map" if self.pose == "truth" else "odom"
         for index, (x, y, theta) in enumerate(self.true_poses.tolist()):
             true = Pose2D(x, y, theta, "map")
+            faces = self.geometry(index).cut(self.laser_height)
             yield Observation(
                 self.stamp(index),
                 image=partial(self.render, true, index),
-                scan=laser.scan(faces, true, built.rng(BEAMS, index)),
+                scan=laser.scan(faces, true, built.recording.rng(BEAMS, index)),
                 pose=_pose(given[index], frame),
                 label=built.label_at(x, y),
             )
@@ -188,7 +250,7 @@ class Office(Source):
         pose : Pose2D
             Where the robot is in the plan.
         index : int
-            Decides the sensor's noise.
+            Which observation it belongs to: decides the noise, the exposure, and who is about.
 
         Returns
         -------
@@ -196,14 +258,46 @@ class Office(Source):
             RGB.
         """
         built = self.built
-        camera = Camera(
-            self.width, self.height, self.field_of_view, self.camera_height, self.image_noise
+        key = int(built.recording.rng(PIXELS, index).integers(2**63))
+        return self.camera.shoot(
+            self.geometry(index),
+            built.skin,
+            built.ground,
+            pose,
+            key,
+            self.exposure(index),
+            self._turning[index],
         )
-        key = int(built.rng(PIXELS, index).integers(2**63))
-        return camera.shoot(built.geometry, built.skin, built.ground, pose, key)
+
+    @property
+    def camera(self) -> Camera:
+        """The robot's camera."""
+        return Camera(
+            *(self.width, self.height, self.field_of_view, self.camera_height, self.image_noise),
+            shutter=self.shutter,
+        )
+
+    def exposure(self, index: int) -> float:
+        """Return the camera's exposure at an observation."""
+        return self._exposures.at(index, self._metered)
+
+    @cached_property
+    def _exposures(self) -> Exposure:
+        return Exposure(self._times, self.exposure_lag)
+
+    def _metered(self, index: int) -> float:
+        pose = _pose(self._drive.poses[index], "map")
+        built, geometry = self.built, self.geometry(index)
+        return self.camera.meter(geometry, built.skin, built.ground, pose)
+
+    def geometry(self, index: int) -> Geometry:
+        """Return what stands where at an observation, walkers included."""
+        return self.built.geometry_at(float(self._times[index]), self._walks)
 
     def stamp(self, index: int) -> int:
         """Return the time of an observation, ns."""
+        if self.route == "idol2":
+            return round(float(self._drive.stamps[index]) * 1e6) * 1000
         return round(self.start * 1e9) + round(index * 1e9 / self.rate)
 
     def count(self) -> int:
@@ -212,57 +306,85 @@ class Office(Source):
 
     def digest(self) -> str:
         """Return a digest of the parameters, the plan and the simulator's version."""
-        given = {name: getattr(self, name) for name in _parameters()} | {"version": VERSION}
-        text = json.dumps(given, sort_keys=True).encode() + self._plan_file.read_bytes()
+        given = {name: getattr(self, name) for name in signature(Office).parameters}
+        text = (
+            json.dumps(given | {"version": VERSION}, sort_keys=True).encode()
+            + find_plan(self.world).read_bytes()
+        )
+        if self.route == "idol2":
+            text += self._drive.stamps.tobytes() + self._drive.poses.tobytes()
         return hashlib.sha256(text).hexdigest()
 
     @cached_property
     def built(self) -> World:
-        """The world of this run."""
+        """The world of this recording."""
         self._check()
+        plan, radius = read_plan(find_plan(self.world)), self.robot_radius
+        recorded = self.route == "idol2"
+        way = all_positions(find_poses(self.poses)) if recorded else dense(plan.tour)
         return World(
-            read_plan(self._plan_file),
-            self.seed,
-            self.run,
-            self.illumination,
-            self.robot_radius,
+            plan,
+            Recording(self.seed, self.half_years, self._drive_number, self.illumination),
+            Life(clutter=self.clutter, walkers=self.walkers, seated=self.seated),
+            way,
+            radius if recorded else radius + ASIDE,
+            radius,
             self.robot_height,
         )
 
     @property
+    def _drive_number(self) -> int:
+        if self.drive is not None:
+            return self.drive
+        return 10 * self.run + list(ILLUMINATIONS).index(self.illumination)
+
+    @property
     def true_poses(self) -> NDArray[np.float64]:
         """Where the robot is: x, y in m and heading in rad, shape (n, 3)."""
-        return self._drive[: self.samples]
+        return self._drive.poses[: self.samples]
 
     @cached_property
-    def _drive(self) -> NDArray[np.float64]:
-        return sample(self.built.drive(self.speed, self.turn_rate), self.rate)[:, 1:]
+    def _drive(self) -> Drive:
+        built = self.built
+        if self.route == "idol2":
+            return recorded_drive(find_poses(self.poses), self.illumination, self.run)
+        explored = partial(built.explored_route, self.laser_height)
+        route = explored if self.route == "explore" else built.planned_route
+        states = sample(built.drive(route, self.speed, self.turn_rate), self.rate)
+        return Drive(states[:, 0], states[:, 1:])
+
+    @cached_property
+    def _times(self) -> NDArray[np.float64]:
+        """Seconds since the drive began, shape (n,)."""
+        return np.asarray(self._drive.stamps - self._drive.stamps[0])
+
+    @cached_property
+    def _turning(self) -> NDArray[np.float64]:
+        """How fast the robot turns, rad/s, shape (n,)."""
+        return np.gradient(self._drive.poses[:, 2], self._times)
+
+    @cached_property
+    def _walks(self) -> list[list[Walk]]:
+        return self.built.walks(self._times, self._drive.poses)
 
     @cached_property
     def _given_poses(self) -> NDArray[np.float64]:
         if self.pose == "truth":
-            return self._drive
-        return odometry(self._drive, self.drift, self.built.rng(WHEELS))
-
-    @property
-    def _plan_file(self) -> Path:
-        if self.world.endswith(".geojson"):
-            return Path(self.world)
-        plans = {path.stem: path for path in PLANS.glob("*.geojson")}
-        if self.world not in plans:
-            raise UsageError(
-                f"no world '{self.world}': {choices(self.world, plans)}; a plan of your own is "
-                "given as the path of its .geojson file"
-            )
-        return plans[self.world]
+            return self._drive.poses
+        return odometry(self._drive.poses, self.drift, self.built.recording.rng(WHEELS))
 
     def _check(self) -> None:
         check_choice("illumination", self.illumination, tuple(ILLUMINATIONS))
         check_choice("pose", self.pose, POSES)
+        check_choice("route", self.route, ROUTES)
         for name, least in _WHOLE.items():
             check_whole(name, getattr(self, name), least=least)
         if self.samples is not None:
             check_whole("samples", self.samples, least=1)
+        if self.drive is not None:
+            check_whole("drive", self.drive, least=0)
+        for name in _PARTS:
+            check_number(name, getattr(self, name), least=0.0)
         for name in _POSITIVE:
             check_number(name, getattr(self, name), above=0.0)
 
@@ -270,7 +392,3 @@ class Office(Source):
 def _pose(values: NDArray[np.float64], frame: str) -> Pose2D:
     x, y, theta = values.tolist()
     return Pose2D(x, y, theta, frame)
-
-
-def _parameters() -> list[str]:
-    return list(signature(Office).parameters)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from placecue.accumulator import Accumulator, AreaUpdate, Boundary
     from placecue.belief import Belief
+    from placecue.camera import PinholeCamera
     from placecue.classifier import Classifier
     from placecue.cue import Cue
     from placecue.discovery.hooks import Component, hookimpl
@@ -48,6 +49,7 @@ __version__ = "0.1.0"
 _MODULES = {
     "accumulator": ("Accumulator", "AreaUpdate", "Boundary"),
     "belief": ("Belief",),
+    "camera": ("PinholeCamera",),
     "classifier": ("Classifier",),
     "cue": ("Cue",),
     "discovery.hooks": ("Component", "hookimpl"),

@@ -35,6 +35,7 @@ class Relabelled(Source):
         self.rooms = rooms
         self.label_map = label_map
         self.name = source.name
+        self.camera = source.camera
         self._told = False
 
     @property

@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar
 
+from placecue.camera import PinholeCamera
 from placecue.observation import Observation
 
 
@@ -21,6 +22,8 @@ class Source(ABC):
         What to call it in messages, usually the file name.
     metadata : mapping of str to str
         Conditions of the recording (illumination, run, laboratory), as far as known.
+    camera : PinholeCamera or None
+        The camera of the images, where it is known; logs are written with it.
     reads_many : bool
         Whether the parameter ``path`` may be a list; elsewhere each file is a source of its own.
     """
@@ -28,6 +31,7 @@ class Source(ABC):
     reads_many: ClassVar[bool] = False
     name: str = "source"
     metadata: Mapping[str, str] = {}
+    camera: PinholeCamera | None = None
 
     @abstractmethod
     def __iter__(self) -> Iterator[Observation]:

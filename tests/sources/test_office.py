@@ -73,7 +73,6 @@ def test_stamps_and_count(office: Office, drive: list[Observation]) -> None:
         "run": "1",
         "half_years": "0",
         "route": "planned",
-        "camera": "pinhole 320x240 f=237.21 c=160,120",  # 160 / tan 34 degrees
     }
 
 

@@ -28,6 +28,8 @@ def convert(config: dict[str, Any], out: Path) -> tuple[str, int]:
     """Write the source that a config describes; return its name and how many observations."""
     source = open_source(config, current_plugins())
     made(out.parent)
-    writer = McapWriter(out, encoding=config["encoding"], metadata=source.metadata)
+    writer = McapWriter(
+        out, encoding=config["encoding"], metadata=source.metadata, camera=source.camera
+    )
     with progress.shown(), writer:
         return source.name, copy(source, writer)

@@ -91,6 +91,16 @@ def _transforms(out: CdrBuilder, message: Fields) -> None:
         _place(out, each["transform"]["translation"], each["transform"]["rotation"])
 
 
+def _camera_info(out: CdrBuilder, info: Fields) -> None:
+    _header(out, info["header"])
+    out.numbers("I", info["height"], info["width"])
+    out.text(info["distortion_model"])
+    out.numbers("I", len(info["d"]))
+    out.numbers("d", *info["d"], *info["k"], *info["r"], *info["p"])
+    out.numbers("I", *[0] * (2 + 4))  # binning, region of interest
+    out.numbers("B", 0)
+
+
 def _string(out: CdrBuilder, message: Fields) -> None:
     out.text(message["data"])
 
@@ -98,6 +108,7 @@ def _string(out: CdrBuilder, message: Fields) -> None:
 WRITERS: dict[str, Callable[[CdrBuilder, Fields], None]] = {
     "sensor_msgs/LaserScan": _laser_scan,
     "sensor_msgs/CompressedImage": _compressed_image,
+    "sensor_msgs/CameraInfo": _camera_info,
     "nav_msgs/Odometry": _odometry,
     "tf2_msgs/TFMessage": _transforms,
     "std_msgs/String": _string,

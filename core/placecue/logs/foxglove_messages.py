@@ -8,11 +8,13 @@ from functools import cache, partial
 from math import isfinite
 from typing import Any
 
+from placecue.camera import PinholeCamera
 from placecue.logs.foxglove_schemas import SCHEMAS
 from placecue.logs.geometry import quaternion
 from placecue.logs.messages import (
     CAMERA_FRAME,
     LASER_FRAME,
+    NO_ROTATION,
     Dialect,
     MessageType,
     Written,
@@ -75,6 +77,21 @@ class FoxgloveDialect(Dialect):
             "format": format,
         }
         return _written("/camera/image/compressed", "foxglove.CompressedImage", fields)
+
+    def camera(self, stamp: int, camera: PinholeCamera) -> Written:
+        """Return a foxglove.CameraCalibration without distortion."""
+        fields = {
+            "timestamp": time(stamp),
+            "frame_id": CAMERA_FRAME,
+            "width": camera.width,
+            "height": camera.height,
+            "distortion_model": "plumb_bob",
+            "D": [0.0] * 5,
+            "K": list(camera.k),
+            "R": list(NO_ROTATION),
+            "P": list(camera.p),
+        }
+        return _written("/camera/camera_info", "foxglove.CameraCalibration", fields)
 
     def scan(self, stamp: int, scan: LaserScan) -> Written:
         """Return a foxglove.LaserScan, with the limits of range as fields of its own."""

@@ -91,6 +91,18 @@ SCHEMAS: dict[str, Schema] = {
             "foxglove.CompressedImage", timestamp=TIME, frame_id=TEXT, data=BYTES, format=TEXT
         ),
         structure(
+            "foxglove.CameraCalibration",
+            timestamp=TIME,
+            frame_id=TEXT,
+            width=INTEGER,
+            height=INTEGER,
+            distortion_model=TEXT,
+            D=several(NUMBER),
+            K=several(NUMBER),
+            R=several(NUMBER),
+            P=several(NUMBER),
+        ),
+        structure(
             "foxglove.LaserScan",
             timestamp=TIME,
             frame_id=TEXT,

@@ -7,12 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from placecue.camera import PinholeCamera
 from placecue.observation import LaserScan, Pose2D
 
 #: Frames in what placecue writes.
 BASE_FRAME = "base_link"
 LASER_FRAME = "laser"
 CAMERA_FRAME = "camera"
+#: The identity, row by row.
+NO_ROTATION = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +76,10 @@ class Dialect(ABC):
     @abstractmethod
     def image(self, stamp: int, data: bytes, format: str) -> Written:
         """Return a compressed image; format is ``jpeg`` or ``png``."""
+
+    @abstractmethod
+    def camera(self, stamp: int, camera: PinholeCamera) -> Written:
+        """Return the camera of the image of the same stamp."""
 
     @abstractmethod
     def scan(self, stamp: int, scan: LaserScan) -> Written:

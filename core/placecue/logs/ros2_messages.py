@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from placecue.camera import PinholeCamera
 from placecue.logs.cdr import serialise
 from placecue.logs.geometry import quaternion
 from placecue.logs.messages import (
     BASE_FRAME,
     CAMERA_FRAME,
     LASER_FRAME,
+    NO_ROTATION,
     Dialect,
     MessageType,
     Written,
@@ -46,6 +48,20 @@ class Ros2Dialect(Dialect):
             "sensor_msgs/CompressedImage",
             {"header": _header(stamp, CAMERA_FRAME), "format": format, "data": data},
         )
+
+    def camera(self, stamp: int, camera: PinholeCamera) -> Written:
+        """Return a sensor_msgs/CameraInfo without distortion."""
+        fields = {
+            "header": _header(stamp, CAMERA_FRAME),
+            "height": camera.height,
+            "width": camera.width,
+            "distortion_model": "plumb_bob",
+            "d": [0.0] * 5,
+            "k": camera.k,
+            "r": NO_ROTATION,
+            "p": camera.p,
+        }
+        return _written("/camera/camera_info", "sensor_msgs/CameraInfo", fields)
 
     def scan(self, stamp: int, scan: LaserScan) -> Written:
         """Return a sensor_msgs/LaserScan; ranges are rounded to float32."""

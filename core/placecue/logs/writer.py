@@ -9,6 +9,7 @@ from typing import Self
 
 import numpy as np
 
+from placecue.camera import PinholeCamera
 from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.logs.foxglove_messages import FoxgloveDialect
 from placecue.logs.messages import BASE_FRAME, LASER_FRAME, Dialect, Written, spacing
@@ -54,6 +55,8 @@ class McapWriter:
         Bytes of messages in a chunk, before compression.
     metadata : mapping of str to str, optional
         Conditions of the recording, kept in the metadata record ``placecue``.
+    camera : PinholeCamera, optional
+        Written beside each image, as sensor_msgs/CameraInfo or foxglove.CameraCalibration.
 
     Raises
     ------
@@ -75,6 +78,7 @@ class McapWriter:
         compression: str = "zstd",
         chunk_size: int = 2**20,
         metadata: Mapping[str, str] | None = None,
+        camera: PinholeCamera | None = None,
     ) -> None:
         if encoding not in DIALECTS:
             raise UsageError(f"unknown encoding '{encoding}': {choices(encoding, DIALECTS)}")
@@ -86,6 +90,7 @@ class McapWriter:
         self.image_quality = image_quality
         self.dialect = DIALECTS[encoding]()
         self.output = Output(path, self.dialect.profile, compression, chunk_size)
+        self.camera = camera
         self._label: str | None = None
         self._mount: Pose2D | None = None
         if metadata:
@@ -114,6 +119,8 @@ class McapWriter:
             messages += self._scan(stamp, observation.scan)
         if observation.image_source is not None:
             messages.append(self._image(observation))
+            if self.camera is not None:
+                messages.append(self.dialect.camera(stamp, self.camera))
         for message in messages:
             self.output.write(stamp, message)
         self._label, self._mount = label, mount or self._mount

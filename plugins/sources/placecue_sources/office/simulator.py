@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.camera import PinholeCamera
 from placecue.observation import Image, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources.checks import check_choice, check_number, check_whole
@@ -201,9 +202,7 @@ class Office(Source):
 
     @property
     def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
-        """What the recording is, so that sequences can be paired by rule, and the camera."""
-        size = f"{self.width}x{self.height}"
-        focal = 0.5 * self.width / np.tan(np.radians(0.5 * self.field_of_view))
+        """What the recording is, so that sequences can be paired by rule."""
         return {
             "dataset": "office",
             "world": Path(self.world).stem,
@@ -212,8 +211,14 @@ class Office(Source):
             "run": str(self.run),
             "half_years": str(self.half_years),
             "route": self.route,
-            "camera": f"pinhole {size} f={focal:.6g} c={self.width / 2:g},{self.height / 2:g}",
         }
+
+    @property
+    def camera(self) -> PinholeCamera:  # type: ignore[override]
+        """The camera; the middle of the image is on its axis."""
+        focal = float(0.5 * self.width / np.tan(np.radians(0.5 * self.field_of_view)))
+        middle = (self.width / 2, self.height / 2)
+        return PinholeCamera(self.width, self.height, focal, focal, *middle)
 
     @property
     def half_years(self) -> int:
@@ -259,7 +264,7 @@ class Office(Source):
         """
         built = self.built
         key = int(built.recording.rng(PIXELS, index).integers(2**63))
-        return self.camera.shoot(
+        return self.renderer.shoot(
             self.geometry(index),
             built.skin,
             built.ground,
@@ -270,8 +275,8 @@ class Office(Source):
         )
 
     @property
-    def camera(self) -> Camera:
-        """The robot's camera."""
+    def renderer(self) -> Camera:
+        """What takes the pictures of the robot's camera."""
         return Camera(
             *(self.width, self.height, self.field_of_view, self.camera_height, self.image_noise),
             shutter=self.shutter,
@@ -288,7 +293,7 @@ class Office(Source):
     def _metered(self, index: int) -> float:
         pose = _pose(self._drive.poses[index], "map")
         built, geometry = self.built, self.geometry(index)
-        return self.camera.meter(geometry, built.skin, built.ground, pose)
+        return self.renderer.meter(geometry, built.skin, built.ground, pose)
 
     def geometry(self, index: int) -> Geometry:
         """Return what stands where at an observation, walkers included."""

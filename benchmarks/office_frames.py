@@ -5,14 +5,10 @@ python benchmarks/office_frames.py
 
 from __future__ import annotations
 
-import os
-
-for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ[name] = "1"
-
 from time import perf_counter
 
 import cv2
+
 from placecue_sources.office import Office
 
 WANTED = 60.0

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
 
+from placecue.faults import Faults
 from placecue_sources import cure, stamps
-from placecue_sources.faults import Faults
 from placecue_sources.text_records import PoseTrack, TextRecords, words
 from recordings import DATA, needs_data, odometry_line, ramp, scan_line
 

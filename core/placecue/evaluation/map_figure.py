@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import UsageError, choices
+from placecue.evaluation.pictures import save_picture
 from placecue.semantic_map import UNKNOWN, Node, SemanticMap
-from placecue.storage.atomic import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +29,6 @@ PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F
 #: Shapes of nodes; the second is taken when the palette has been used up once, and so on.
 SHAPES = ("o", "s", "^", "D", "v", "p", "X")
 GREY = "#8A8A8A"
-FORMATS = ("png", "svg", "pdf")
 
 Style = tuple[str, str]
 
@@ -93,7 +91,7 @@ def draw_semantic_map(
     _draw_names(axes, semantic_map)
     _frame(axes, extent, semantic_map.frame, title)
     _legend(figure, styles, gateways=any(node.gateway for node in semantic_map.nodes))
-    return _save(figure, Path(path))
+    return save_picture(figure, path)
 
 
 def category_styles(names: Sequence[str]) -> dict[str, Style]:
@@ -244,12 +242,3 @@ def _legend(figure: Figure, styles: Mapping[str, Style], gateways: bool) -> None
     widest = 0.11 * max(len(str(handle.get_label())) for handle in handles) + 0.6
     columns = min(len(handles), max(1, int(figure.get_figwidth() / widest)))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=13)
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    kind = path.suffix.lstrip(".").lower()
-    if kind not in FORMATS:
-        raise UsageError(f"{path} is no picture file: {choices(kind, FORMATS)}")
-    with replacing(path) as temporary:
-        figure.savefig(temporary, format=kind)
-    return path

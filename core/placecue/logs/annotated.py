@@ -11,7 +11,7 @@ from typing import Any, Self
 from placecue.accumulator import AreaUpdate
 from placecue.belief import Belief
 from placecue.errors import UnusableObservation
-from placecue.logs.faults import Faults
+from placecue.faults import Faults
 from placecue.logs.foxglove_messages import message_type, number, time
 from placecue.logs.messages import Written
 from placecue.logs.scene import Color, belief_update, map_update, palette

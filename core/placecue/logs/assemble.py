@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import Any
 
 from placecue.errors import UnusableObservation
-from placecue.logs.faults import Faults
+from placecue.faults import Faults
 from placecue.logs.items import Item
 from placecue.logs.labels import Intervals
 from placecue.logs.synchronise import Match, interpolate

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from placecue.errors import UnusableObservation
+from placecue.faults import Faults
 from placecue.logs.assemble import Assembler
 from placecue.logs.container import LogFile
-from placecue.logs.faults import Faults
 from placecue.logs.items import Item, TopicReader
 from placecue.logs.labels import Intervals
 from placecue.logs.synchronise import Match, Synchroniser

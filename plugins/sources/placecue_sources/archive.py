@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import IO, Any, Self
 
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue_sources.faults import Faults
+from placecue.faults import Faults
 
 PACKED: dict[bytes, Any] = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open, b"\xfd7zXZ": lzma.open}
 DAMAGED = "places in the tar are cut or damaged; what lies there is left out"

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from placecue.errors import UnusableObservation
+from placecue.faults import Faults
 from placecue_sources.archive import Archive
 from placecue_sources.categories import category
-from placecue_sources.faults import Faults
 from placecue_sources.image_names import Moment, folders_of_images, moments, only
 from placecue_sources.image_sequence import ImageSequence, beside
 from placecue_sources.tags import ILLUMINATION, conditions

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.errors import DataError
+from placecue.faults import Faults
 from placecue.observation import LaserScan, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources import stamps
@@ -17,7 +18,6 @@ from placecue_sources.categories import category
 from placecue_sources.checks import check_choice, check_number, check_whole
 from placecue_sources.cold import cold_conditions
 from placecue_sources.contents import digest_of
-from placecue_sources.faults import Faults
 from placecue_sources.image_sequence import POSES, beside
 from placecue_sources.tags import stem
 from placecue_sources.text_records import Fields, PoseTrack, TextRecords

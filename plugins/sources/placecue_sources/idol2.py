@@ -6,8 +6,8 @@ import posixpath
 import re
 from collections.abc import Mapping, Sequence
 
+from placecue.faults import Faults
 from placecue_sources.archive import Archive
-from placecue_sources.faults import Faults
 from placecue_sources.image_names import Moment, folders_of_images, moments, only
 from placecue_sources.image_sequence import ImageSequence
 from placecue_sources.tags import ILLUMINATION, conditions

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from placecue.errors import DataError
+from placecue.faults import Faults
 from placecue.observation import Pose2D
 from placecue_sources import stamps
-from placecue_sources.faults import Faults
 from placecue_sources.image_files import is_image
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"

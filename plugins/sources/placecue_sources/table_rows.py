@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from placecue.errors import DataError, UnusableObservation, UsageError, choices
+from placecue.faults import Faults
 from placecue_sources import ranges, stamps
 from placecue_sources.archive import Archive
 from placecue_sources.contents import lines, read_bytes
-from placecue_sources.faults import Faults
 from placecue_sources.image_files import is_image, natural
 
 #: What a row can say.

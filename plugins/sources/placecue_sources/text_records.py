@@ -12,9 +12,9 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.faults import Faults
 from placecue.observation import Pose2D
 from placecue_sources import stamps
-from placecue_sources.faults import Faults
 
 Fields = Sequence[bytes]
 

@@ -1,4 +1,4 @@
-"""What went wrong during one pass over a data set: counted, and said once."""
+"""What went wrong during one pass over a log or a data set: counted, and said once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Faults:
     Parameters
     ----------
     where : str
-        Name of the data set, for messages.
+        Name of the log or data set, for messages.
     """
 
     def __init__(self, where: str) -> None:

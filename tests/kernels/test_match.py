@@ -77,6 +77,13 @@ def test_files_and_threads_change_nothing(parameters: dict[str, float]) -> None:
         np.testing.assert_allclose(kernel.gram(a, other), plain, rtol=0, atol=1e-7)
 
 
+def test_threads_share_the_samples_that_one_image_is_matched_with() -> None:
+    one, others = sets_of([40], 1), sets_of([30, 0, 700, 600, 20, 500], 2)
+    threaded = Match(0.5, n_jobs=3)
+    np.testing.assert_allclose(threaded.gram(one, others), by_definition(one, others, 0.5), 1e-5)
+    assert np.array_equal(threaded.gram(one, others), Match(0.5).gram(one, others))
+
+
 def test_each_gamma_costs_only_exponentials() -> None:
     x = sets_of([4, 8, 2, 6], 4)
     kept = Match().distances(x)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from tempfile import TemporaryFile
 from typing import Any, ClassVar, cast
 
 import joblib
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
 
 from placecue.errors import UsageError
 from placecue.features import DescriptorSets, FeatureBatch, FeatureKind
@@ -63,8 +65,8 @@ class Match(DistanceKernel):
     memory : float
         Nearest distances that take more than this are kept in a temporary file, GB.
     n_jobs : int, optional
-        Threads that match samples side by side; by default what joblib's backend is set to, or
-        one, with BLAS free to use more.
+        Threads that match side by side; by default what joblib's backend is set to, or one, with
+        BLAS free to use more.
 
     References
     ----------
@@ -159,20 +161,27 @@ class Match(DistanceKernel):
     ) -> None:
         """Match each sample of ``a`` with all of ``b``, or with those from itself on."""
 
-        def match(one: Block) -> None:
-            first = one.samples.start if within else 0
+        def match(one: Block, others: Iterable[Block]) -> None:
             room = np.empty(len(one.norms) * _widest(b), np.float32)
-            for many in blocks(b, first, _BLOCK):
+            for many in others:
                 found(one, many, nearest(one, many, room))
 
-        queue = (block(a, i, i + 1) for i in range(len(a)))
         prepared(b)
-        if joblib.effective_n_jobs(self.n_jobs) == 1 or len(a) == 1:
-            for one in queue:
-                match(one)
+        firsts = range(len(a)) if within else [0] * len(a)
+        queue = ((block(a, i, i + 1), blocks(b, first, _BLOCK)) for i, first in enumerate(firsts))
+        n_jobs = joblib.effective_n_jobs(self.n_jobs)
+        if n_jobs == 1:
+            for each in queue:
+                match(*each)
             return
-        with threadpool_limits(1, user_api="blas"):
-            joblib.Parallel(self.n_jobs, require="sharedmem")(map(joblib.delayed(match), queue))
+        if len(a) == 1:  # a live robot's image: its threads share the other samples
+            one, others = next(queue)
+            listed = list(others)
+            queue = ((one, iter(listed[job::n_jobs])) for job in range(n_jobs))
+        # Not joblib, whose threads take longer to start than one image takes to match.
+        with _blas().limit(limits=1, user_api="blas"), ThreadPoolExecutor(n_jobs) as threads:
+            for done in [threads.submit(match, *each) for each in queue]:
+                done.result()
 
     def _average(self, squared: NDArray[Any], offsets: Offsets) -> Gram:
         """Return the mean of exp(-gamma squared) over each sample's descriptors, 0 for none."""
@@ -182,6 +191,12 @@ class Match(DistanceKernel):
         means = np.zeros(len(sizes))
         means[sizes > 0] = sums / sizes[sizes > 0]
         return means
+
+
+@cache
+def _blas() -> ThreadpoolController:
+    """Return what sets the threads of BLAS; finding the libraries takes milliseconds."""
+    return ThreadpoolController()
 
 
 def _widest(batch: DescriptorSets) -> int:

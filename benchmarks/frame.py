@@ -35,7 +35,7 @@ TRAINING, INTEGRATION, ASKED = 11.33, 1.5, 0.7
 def cues() -> dict[str, tuple[Cue, Classifier]]:
     return {
         "crfh": (CRFH(), SVM(kernel=Chi2())),
-        "sift": (SIFT(), SVM(kernel=Match(n_jobs=THREADS))),
+        "sift": (SIFT(), SVM(kernel=Match())),
         "laser": (LaserGeometry(), SVM(kernel=RBF(), scaling="quantiles")),
     }
 
@@ -61,17 +61,12 @@ def milliseconds(pipeline: Pipeline, asked: list[Observation]) -> list[float]:
 
 
 def trained(names: tuple[str, ...], training: list[Observation]) -> Pipeline:
-    """A pipeline whose integrator learns on another drive; every core helps to match."""
+    """A pipeline whose integrator learns on another drive."""
     chosen = cues()
-    chosen["sift"][1].set_params(kernel=Match(n_jobs=-1))
-    pipeline = Pipeline(
+    return Pipeline(
         {name: chosen[name] for name in names},
         SVMDAS(classifier=SVM(kernel=RBF(), multiclass="oao")),
-    )
-    pipeline.fit(training, drive(3, INTEGRATION))
-    if "sift" in names:
-        pipeline.cues["sift"][1].kernel_.set_params(n_jobs=THREADS)
-    return pipeline
+    ).fit(training, drive(3, INTEGRATION))
 
 
 def report(pipeline: Pipeline, asked: list[Observation]) -> None:

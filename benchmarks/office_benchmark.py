@@ -16,6 +16,7 @@ import argparse
 import json
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
@@ -146,7 +147,7 @@ class Bench:
             )
             taken = (each for number, each in enumerate(office) if number % every == 0)
             made = collect(taken, {name: METHODS[name].cue})
-            joblib.dump(Samples(made.labels, made.stamps, made.features, (), made.positions), path)
+            joblib.dump(replace(made, observations=()), path)
         return joblib.load(path)  # type: ignore[no-any-return]
 
     def run(self, name: str) -> None:
@@ -158,7 +159,7 @@ class Bench:
             svm = self.trained(name, sequence)
             for experiment, test in sequence.tests():
                 samples = self.samples(name, test, self.stride(name))
-                scores = svm.scores(samples.features[name])
+                scores = svm.scores(samples.extracted[name].features)
                 path = self.folder / "scores" / f"{name}_{self.seed}_{sequence.name}_{test.name}"
                 path.parent.mkdir(exist_ok=True)
                 joblib.dump((scores, samples.stamps), path)
@@ -178,8 +179,8 @@ class Bench:
         for C, gamma in product(method.grid["C"], method.grid["gamma"]):
             kernel = clone(method.svm.kernel).set_params(gamma=gamma)
             svm = clone(method.svm).set_params(C=C, kernel=kernel)
-            svm.fit(ours.features[name], ours.labels, ours.stamps)
-            decided = svm.scores(theirs.features[name]).decide().labels
+            svm.fit(ours.extracted[name].features, ours.labels, ours.stamps)
+            decided = svm.scores(theirs.extracted[name].features).decide().labels
             score = balanced_accuracy_score(theirs.labels, decided)
             best, kept = (score, svm) if score > best else (best, kept)
         return kept

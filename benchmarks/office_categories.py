@@ -58,7 +58,7 @@ def main() -> None:
         drives("second_floor"), {name: cue for name, (cue, _) in pipeline.cues.items()}
     )
     scores: dict[str, Scores] = {
-        name: classifier.scores(samples.features[name])
+        name: classifier.scores(samples.extracted[name].features)
         for name, (_, classifier) in pipeline.cues.items()
     }
     scores["svm_das"] = pipeline.integrator.integrate(StoredEvidence(dict(scores)))

@@ -14,3 +14,19 @@ def same_log_levels() -> Iterator[None]:
     yield
     for name, level in zip(names, levels, strict=True):
         logging.getLogger(name).setLevel(level)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache_of_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep the features that tests extract away from the user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PLACECUE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(autouse=True)
+def own_cache(
+    cache_of_tests: None, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Let no test find what another has extracted."""
+    monkeypatch.setenv("PLACECUE_CACHE", str(tmp_path_factory.mktemp("cache")))

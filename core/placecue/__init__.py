@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from placecue.kernel import DistanceKernel, Kernel
     from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
     from placecue.pipeline import Pipeline
+    from placecue.rejection import Unknown
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -62,6 +63,7 @@ _MODULES = {
     "kernel": ("DistanceKernel", "Kernel"),
     "observation": ("EncodedImage", "LaserScan", "Observation", "Pose2D"),
     "pipeline": ("Pipeline",),
+    "rejection": ("Unknown",),
     "scores": (
         "Decision",
         "DecisionList",

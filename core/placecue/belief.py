@@ -19,9 +19,10 @@ class Belief:
     scores : Scores
         The integrated outputs, one row.
     label : str
-        The class that the scores' own rule picks.
+        The class that the scores' own rule picks; ``unknown`` where the pipeline has a threshold
+        and the pick's confidence is below it.
     confidence : float
-        How unambiguous that pick is; larger is surer.
+        How unambiguous that pick is, also where the label is ``unknown``; larger is surer.
     cue_scores : mapping of str to Scores
         The outputs of each cue that was extracted to get there, one row each.
     """

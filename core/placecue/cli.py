@@ -19,6 +19,7 @@ COMMANDS = {
     "convert": "any source -> MCAP",
     "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",
+    "cache": "the features that are kept between runs; shows and trims them",
     "plugins": "the components that are installed, and plugins that do not load",
 }
 #: Set to 1 for full tracebacks; ``hydra.verbose=true`` does it for one run.

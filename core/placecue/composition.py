@@ -1,4 +1,4 @@
-"""A whole pipeline as a config: cues with their classifiers, an integrator, folds."""
+"""A whole pipeline as a config: cues with their classifiers, an integrator, folds, unknown."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from placecue.folds import FOLD_SCHEMES, FoldScheme
 from placecue.integrator import OnlyCue
 from placecue.parameter_types import misfits
 from placecue.pipeline import Pipeline
+from placecue.rejection import Unknown
 
 
 def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeline:
@@ -22,8 +23,8 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
     Parameters
     ----------
     composition : mapping
-        ``cues`` (by name, each a cue with its ``classifier``), ``integrator`` (or nothing) and
-        ``folds``.
+        ``cues`` (by name, each a cue with its ``classifier``), ``integrator`` (or nothing),
+        ``folds`` and ``unknown`` (or nothing).
     registry : Registry
         Builds the components.
 
@@ -45,6 +46,7 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
         cues,
         None if integrator is None else build(integrator, "integrator", registry),
         build_folds(composition.get("folds") or {}),
+        build_unknown(composition.get("unknown")),
     )
 
 
@@ -70,6 +72,26 @@ def build_folds(config: Mapping[str, Any]) -> FoldScheme:
     return scheme(**parameters)
 
 
+def build_unknown(config: Mapping[str, Any] | None) -> Unknown | None:
+    """Build what asks for "unknown" from ``false_accept_rate``; None where that is null."""
+    if config is None:
+        return None
+    if not isinstance(config, Mapping):
+        raise UsageError(
+            f"unknown must be a mapping with 'false_accept_rate', or null, got {config!r}; such as "
+            "unknown.false_accept_rate=0.05"
+        )
+    known = Unknown.__dataclass_fields__
+    for parameter in config:
+        if parameter not in known:
+            raise UsageError(f"unknown has no parameter '{parameter}'; {choices(parameter, known)}")
+    given = {name: value for name, value in config.items() if value is not None}
+    wrong = misfits(given, Unknown)
+    if wrong:
+        raise UsageError(f"unknown: {'; '.join(wrong)}")
+    return Unknown(**given) if given else None
+
+
 def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
     """Return the config that builds a pipeline anew, the opposite of :func:`build_pipeline`."""
     integrator = pipeline.integrator
@@ -81,6 +103,7 @@ def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
         },
         "integrator": None if isinstance(integrator, OnlyCue) else describe(integrator, registry),
         "folds": {"scheme": scheme, **asdict(pipeline.folds)},
+        "unknown": None if pipeline.unknown is None else asdict(pipeline.unknown),
     }
 
 

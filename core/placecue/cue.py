@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from typing import Any, ClassVar, Self
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, ClassVar, Self, TypeAlias
 
 from sklearn.base import BaseEstimator
 
 from placecue.features import FeatureBatch, Features, stack
 from placecue.observation import Observation, Part
+
+#: Makes an altered copy of an observation; see :meth:`Observation.altered`.
+Alteration: TypeAlias = Callable[[Observation], Observation]
 
 
 class Cue(BaseEstimator, ABC):  # type: ignore[misc]
@@ -56,6 +59,13 @@ class Cue(BaseEstimator, ABC):  # type: ignore[misc]
     def fit(self, observations: Iterable[Observation], labels: Any = None) -> Self:
         """Learn from training observations; the default learns nothing."""
         return self
+
+    def alterations(self) -> Sequence[Alteration]:
+        """Return what training does to each observation to get further samples of its class.
+
+        Held-out samples, and those that are asked about, are never altered. The default is none.
+        """
+        return ()
 
     def transform(self, observations: Iterable[Observation]) -> FeatureBatch:
         """Return the features of several observations as one batch.

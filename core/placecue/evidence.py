@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from placecue.classifier import Classifier
 from placecue.cue import Cue
 from placecue.errors import DataError, UsageError, choices
-from placecue.features import FeatureBatch, take
+from placecue.extraction import Extraction
+from placecue.features import take
 from placecue.folds import FoldScheme, Rows
 from placecue.observation import Observation
 from placecue.progress import track
+from placecue.samples import CueSamples
 from placecue.scores import Layout, Scores
 
 #: The cues of a pipeline, each with its classifier, in order of cost.
@@ -94,10 +96,18 @@ class ObservedEvidence(Evidence):
         The batch.
     models : mapping of str to (Cue, Classifier)
         The fitted cues.
+    extraction : Extraction, optional
+        How features come from observations; by default straight from the cues.
     """
 
-    def __init__(self, observations: Sequence[Observation], models: CueModels) -> None:
+    def __init__(
+        self,
+        observations: Sequence[Observation],
+        models: CueModels,
+        extraction: Extraction | None = None,
+    ) -> None:
         self.cues = tuple(models)
+        self._extraction = Extraction() if extraction is None else extraction
         self._observations = observations
         self._models = models
         self._values: dict[str, NDArray[np.float64]] = {}
@@ -117,7 +127,8 @@ class ObservedEvidence(Evidence):
         values = self._values.setdefault(cue, np.empty((len(self), n_columns)))
         fresh = rows[~known[rows]]
         if fresh.size:
-            features = extractor.transform([self._observations[row] for row in fresh])
+            asked = [self._observations[row] for row in fresh]
+            features = self._extraction.transform(extractor, asked)
             values[fresh] = classifier.scores(features).values
             known[fresh] = True
         return Scores(values[rows], classifier.layout_)
@@ -149,7 +160,7 @@ class OutOfFold:
     def scores(
         self,
         classifier: Classifier,
-        features_for: Callable[[Rows], FeatureBatch],
+        samples_for: Callable[[Rows], CueSamples],
         labels: NDArray[np.str_],
         stamps: ArrayLike | None = None,
         *,
@@ -161,9 +172,10 @@ class OutOfFold:
         ----------
         classifier : Classifier
             A fitted classifier; copies with its chosen parameters are fitted in each fold.
-        features_for : callable
+        samples_for : callable
             Given the training rows of a fold, the features of all n samples by a cue that has
             learned from those rows only. A cue that learns nothing gives the same ones each time.
+            Their altered copies are trained on and never scored.
         labels : ndarray of str, shape (n,)
             The classes of the samples.
         stamps : array of int, shape (n,), optional
@@ -180,13 +192,9 @@ class OutOfFold:
         splits = list(self.folds.split(labels, stamps))
         stamps = None if stamps is None else np.asarray(stamps)
         for training, held_out in track(splits, f"{what}: out-of-fold scores"):
-            features = features_for(training)
-            copy = classifier.chosen().fit(
-                take(features, training),
-                labels[training],
-                None if stamps is None else stamps[training],
-            )
-            values[held_out] = copy.scores(take(features, held_out)).values
+            samples = samples_for(training)
+            copy = classifier.chosen().fit(*samples.training(labels, stamps, training))
+            values[held_out] = copy.scores(take(samples.features, held_out)).values
         return Scores(values, classifier.layout_)
 
 

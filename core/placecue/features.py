@@ -103,6 +103,24 @@ def stack(features: Sequence[Features]) -> FeatureBatch:
         ) from error
 
 
+def single(batch: FeatureBatch, row: int) -> Features:
+    """Return the features of one sample of a batch, as :func:`stack` took them in."""
+    if isinstance(batch, DescriptorSets):
+        return batch.values[batch.offsets[row] : batch.offsets[row + 1]]
+    return batch[[row]] if sparse.issparse(batch) else batch[row]
+
+
+def join(batches: Sequence[FeatureBatch]) -> FeatureBatch:
+    """Return batches of one kind, one after the other."""
+    first = batches[0]
+    if isinstance(first, DescriptorSets):
+        sets = [single(batch, row) for batch in batches for row in range(n_samples(batch))]
+        return _stack_descriptors(sets, first.values.shape[1])
+    if sparse.issparse(first):
+        return sparse.csr_array(sparse.vstack(batches, format="csr"))
+    return np.concatenate(batches)  # type: ignore[arg-type]
+
+
 def take(batch: FeatureBatch, rows: NDArray[np.integer] | NDArray[np.bool_]) -> FeatureBatch:
     """Return the given rows of a batch, by index or mask."""
     return batch[rows]

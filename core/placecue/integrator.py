@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Self
+from typing import Any, Self
 
 from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator
+from sklearn.base import BaseEstimator, clone
 
 from placecue.errors import UsageError
 from placecue.evidence import Evidence
@@ -40,6 +40,15 @@ class Integrator(BaseEstimator, ABC):  # type: ignore[misc]
 
         Only the cues asked for through ``evidence.scores`` are extracted.
         """
+
+    def chosen(self) -> Self:
+        """Return an unfitted copy with what a parameter search found as fixed parameters.
+
+        Decisions on held-out samples are made with it, so that a search runs once and not once a
+        fold; see :meth:`placecue.classifier.Classifier.chosen`.
+        """
+        copy: Any = clone(self)
+        return copy  # type: ignore[no-any-return]
 
 
 class OnlyCue(Integrator):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,15 @@ class LaserScan:
             )
         return np.where(valid, self.ranges, self.range_max)
 
+    def scaled(self, factor: float) -> LaserScan:
+        """Return what the same scanner would measure if the surroundings were larger by a factor.
+
+        What comes to lie beyond the scanner's range is invalid, as it would be.
+        """
+        closest = np.nextafter(self.range_min, np.inf)
+        larger = np.maximum(self.ranges * factor, closest)
+        return replace(self, ranges=np.where(self.valid(), larger, self.ranges))
+
     def points(self) -> NDArray[np.float64]:
         """Return the end points of the valid beams in the robot's frame, m, shape (k, 2)."""
         valid = self.valid()
@@ -149,6 +158,24 @@ class EncodedImage:
         return np.asarray(image, dtype=np.uint8)
 
 
+class Origin(NamedTuple):
+    """Which observation of which log something is.
+
+    Parameters
+    ----------
+    log : str
+        Digest of the log.
+    number : int
+        Which of its observations, from 0.
+    altered : str
+        What was done to it for training; empty for what was recorded.
+    """
+
+    log: str
+    number: int
+    altered: str = ""
+
+
 class Observation:
     """One moment of a log. Any part but the stamp may be missing.
 
@@ -166,9 +193,11 @@ class Observation:
         Where the robot was.
     label : str or None
         The true name of the place, where somebody gave one.
+    origin : Origin or None
+        Where it comes from, so that its features can be kept between runs.
     """
 
-    __slots__ = ("_decoded", "image_source", "label", "pose", "scan", "stamp")
+    __slots__ = ("_decoded", "image_source", "label", "origin", "pose", "scan", "stamp")
 
     def __init__(
         self,
@@ -178,6 +207,7 @@ class Observation:
         scan: LaserScan | None = None,
         pose: Pose2D | None = None,
         label: str | None = None,
+        origin: Origin | None = None,
     ) -> None:
         self.stamp = stamp
         self.image_source = image
@@ -185,6 +215,7 @@ class Observation:
         self.scan = scan
         self.pose = pose
         self.label = label
+        self.origin = origin
 
     @property
     def image(self) -> Image | None:
@@ -206,9 +237,27 @@ class Observation:
 
     def relabelled(self, label: str | None) -> Observation:
         """Return the same moment under another label; a pending image stays undecoded."""
-        return Observation(
-            self.stamp, image=self.image_source, scan=self.scan, pose=self.pose, label=label
-        )
+        return self._with(label=label)
+
+    def coming_from(self, origin: Origin) -> Observation:
+        """Return the same moment with its origin; a pending image stays undecoded."""
+        return self._with(origin=origin)
+
+    def altered(self, how: str, **parts: Any) -> Observation:
+        """Return a copy for training, with other parts.
+
+        Parameters
+        ----------
+        how : str
+            What was done, such as ``scaled by 0.8``; another alteration has another name.
+        **parts
+            ``image`` or ``scan``, in place of what was recorded.
+        """
+        return self._with(origin=self.origin and self.origin._replace(altered=how), **parts)
+
+    def _with(self, **changed: Any) -> Observation:
+        parts = {name: getattr(self, name) for name in ("scan", "pose", "label", "origin")}
+        return Observation(self.stamp, **({"image": self.image_source} | parts | changed))
 
     def __repr__(self) -> str:
         parts = ", ".join(part for part in PARTS if self.has(part))

@@ -19,11 +19,16 @@ from placecue.classifier import Classifier
 from placecue.cue import Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import Evidence, ObservedEvidence, OutOfFold, StoredEvidence, scored_rows
+from placecue.extraction import Extraction
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.held_out import HeldOut
 from placecue.integrator import Integrator, OnlyCue
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
+from placecue.rejection import Rejection, Unknown
 from placecue.samples import Samples, collect
+from placecue.scores import Probabilities
+from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
 
 
@@ -39,6 +44,18 @@ class Pipeline:
     folds : FoldScheme, optional
         How the training samples are cut to fit the integrator on scores that the single-cue
         models have not seen; interleaved chunks of 2 s by default.
+    unknown : Unknown, optional
+        Call decisions that are not sure enough "unknown"; without it every belief names a class.
+
+    Attributes
+    ----------
+    extraction : Extraction
+        How features come from observations: straight from the cues, unless one sets a cache here.
+    rejection_ : Rejection or None
+        The threshold below which a decision is "unknown", chosen by :meth:`fit`.
+    held_out_ : HeldOut or None
+        Scores that :meth:`fit` made of samples which the single-cue models have not seen, where
+        it needed them; not saved with a model.
 
     Examples
     --------
@@ -55,6 +72,7 @@ class Pipeline:
         cues: Mapping[str, tuple[Cue, Classifier]],
         integrator: Integrator | None = None,
         folds: FoldScheme | None = None,
+        unknown: Unknown | None = None,
     ) -> None:
         if not cues:
             raise UsageError("a pipeline needs a cue or more: for example cue=[crfh,laser]")
@@ -66,6 +84,10 @@ class Pipeline:
         self.cues = dict(cues)
         self.integrator = OnlyCue() if integrator is None else integrator
         self.folds = InterleavedChunks() if folds is None else folds
+        self.unknown = unknown
+        self.extraction = Extraction()
+        self.rejection_: Rejection | None = None
+        self.held_out_: HeldOut | None = None
 
     # ------------------------------------------------------------------ one observation
 
@@ -87,14 +109,15 @@ class Pipeline:
         UnusableObservation
             If a part that a cue needs is missing or spoilt in one of them.
         """
-        evidence = ObservedEvidence(observations, self.cues)  # extract and score, on demand
+        evidence = ObservedEvidence(observations, self.cues, self.extraction)  # extract, score
         scores = self.integrator.integrate(evidence)  # integrate
         decision = scores.decide()  # decide
+        labels = decision.labels if self.rejection_ is None else self.rejection_.labels(decision)
         return [
             Belief(
                 stamp=observation.stamp,
                 scores=scores[row : row + 1],
-                label=str(decision.labels[row]),
+                label=str(labels[row]),
                 confidence=float(decision.confidence[row]),
                 cue_scores={cue: evidence.scores(cue, [row]) for cue in evidence.used(row)},
             )
@@ -162,46 +185,80 @@ class Pipeline:
         self,
         observations: Iterable[Observation],
         integration: Iterable[Observation] | None = None,
+        *,
+        reliability: bool = False,
     ) -> Self:
         """Train the single-cue models, then the integrator on scores that they have not seen.
+
+        Where "unknown" is asked for, its threshold is chosen last, on decisions that neither the
+        single-cue models nor the integrator have seen.
 
         Parameters
         ----------
         observations : iterable of Observation
             Labelled observations.
         integration : iterable of Observation, optional
-            Labelled observations of another sequence to fit the integrator on. Without them it
-            is fitted on out-of-fold scores of ``observations``.
+            Labelled observations of another sequence to fit the integrator and choose the
+            threshold for "unknown" on. Without them out-of-fold scores of ``observations`` serve.
+        reliability : bool
+            Set :attr:`held_out_` also for the sake of a reliability diagram alone: where a single
+            cue gives probabilities and no "unknown" is asked for.
 
         Raises
         ------
         DataError
-            If there are no labels, fewer than two classes, or a class of one sample.
+            If there are no labels, fewer than two classes, a class of one sample, or one called
+            "unknown" where that is to be said of what is none of the classes.
         """
-        samples = collect(observations, {name: cue for name, (cue, _) in self.cues.items()})
+        samples = self._collect(observations)
         _check_classes(samples)
+        self._check_names(samples)
+        self.rejection_ = self.held_out_ = None
         for name, (cue, classifier) in track(self.cues.items(), "training", len(self.cues)):
             if cue.learns:
-                cue.fit(samples.reread(), samples.labels)
-            features = samples.features_of(name, cue)
-            classifier.fit(features, samples.labels, samples.stamps)
-        if isinstance(self.integrator, OnlyCue):
+                samples.fit(cue)
+            classifier.fit(*samples.of_cue(name, cue).training(samples.labels, samples.stamps))
+        if not self._needs_held_out(reliability):
             return self
         unseen = samples
         if integration is None:
             evidence, rows = self._out_of_fold(samples)
         else:
-            unseen = collect(integration, {name: cue for name, (cue, _) in self.cues.items()})
+            unseen = self._collect(integration)
             evidence, rows = self._scored(unseen), np.arange(len(unseen))
-        self.integrator.fit(evidence, unseen.labels[rows], unseen.stamps[rows])
+            self._check_names(unseen)
+        held_out = HeldOut(evidence, unseen.labels[rows], unseen.stamps[rows])
+        self.integrator.fit(held_out.evidence, held_out.labels, held_out.stamps)
+        if self.unknown is not None:
+            rate = self.unknown.false_accept_rate
+            self.rejection_ = held_out.rejection(self.integrator, self.folds, rate)
+        self.held_out_ = held_out
         return self
+
+    def _needs_held_out(self, reliability: bool) -> bool:
+        if not isinstance(self.integrator, OnlyCue) or self.unknown is not None:
+            return True
+        layouts = [classifier.layout_ for _, classifier in self.cues.values()]
+        return reliability and any(isinstance(each, Probabilities) for each in layouts)
+
+    def _check_names(self, samples: Samples) -> None:
+        if self.unknown is not None and UNKNOWN in samples.labels:
+            raise DataError(
+                f"there are samples of a class called '{UNKNOWN}', which with false_accept_rate is "
+                f"the name of what is none of the classes: drop or rename it (label_map="
+                f"{{{UNKNOWN}: null}}), or leave out unknown.false_accept_rate"
+            )
+
+    def _collect(self, observations: Iterable[Observation]) -> Samples:
+        cues = {name: cue for name, (cue, _) in self.cues.items()}
+        return collect(observations, cues, self.extraction)
 
     def _out_of_fold(self, samples: Samples) -> tuple[Evidence, Rows]:
         out_of_fold = OutOfFold(self.folds)
         scores = {
             name: out_of_fold.scores(
                 classifier,
-                partial(samples.features_learned_from, name, cue),
+                partial(samples.learned_from, name, cue),
                 samples.labels,
                 samples.stamps,
                 what=name,
@@ -214,7 +271,7 @@ class Pipeline:
     def _scored(self, samples: Samples) -> Evidence:
         return StoredEvidence(
             {
-                name: classifier.scores(samples.features_of(name, cue))
+                name: classifier.scores(samples.of_cue(name, cue).features)
                 for name, (cue, classifier) in self.cues.items()
             }
         )

@@ -5,9 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import DataError, UsageError
+from placecue.scores import Decision
+from placecue.semantic_map import UNKNOWN
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """Wants decisions that are not sure enough to be called "unknown".
+
+    Parameters
+    ----------
+    false_accept_rate : float
+        The wanted share of the wrong decisions that are accepted all the same, 0 to 1.
+    """
+
+    false_accept_rate: float = 0.05
+
+    def __post_init__(self) -> None:
+        _check_rate(self.false_accept_rate)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,11 +40,19 @@ class Rejection:
         Share of the wrong decisions that pass it; 0 where there are no wrong ones.
     accept_rate : float
         Share of the right decisions that pass it; 0 where there are no right ones.
+    n_wrong, n_right : int
+        How many decisions of each kind there were.
     """
 
     threshold: float
     false_accept_rate: float
     accept_rate: float
+    n_wrong: int
+    n_right: int
+
+    def labels(self, decision: Decision) -> NDArray[np.str_]:
+        """Return the labels of n decisions, "unknown" for those below the threshold, shape (n,)."""
+        return np.where(decision.confidence < self.threshold, UNKNOWN, decision.labels)
 
 
 def choose_threshold(
@@ -57,8 +83,7 @@ def choose_threshold(
     DataError
         If there is no sample, or a confidence is NaN.
     """
-    if not 0 <= false_accept_rate <= 1:
-        raise UsageError(f"false_accept_rate must be from 0 to 1, got {false_accept_rate}")
+    _check_rate(false_accept_rate)
     confidence = np.asarray(confidence, dtype=np.float64)
     correct = np.asarray(correct, dtype=bool)
     if len(confidence) == 0 or np.isnan(confidence).any():
@@ -73,8 +98,19 @@ def choose_threshold(
     if passing < len(wrong):
         threshold = float(np.nextafter(wrong[passing], np.inf))
     accepted = confidence >= threshold
-    return Rejection(threshold, _share(accepted[~correct]), _share(accepted[correct]))
+    return Rejection(
+        threshold,
+        false_accept_rate=_share(accepted[~correct]),
+        accept_rate=_share(accepted[correct]),
+        n_wrong=int((~correct).sum()),
+        n_right=int(correct.sum()),
+    )
 
 
-def _share(accepted: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> float:
+def _share(accepted: NDArray[np.bool_]) -> float:
     return float(accepted.mean()) if len(accepted) else 0.0
+
+
+def _check_rate(rate: float) -> None:
+    if not 0 <= rate <= 1:
+        raise UsageError(f"false_accept_rate must be from 0 to 1, got {rate}")

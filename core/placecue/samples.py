@@ -9,13 +9,53 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import clone
 
-from placecue.cue import Cue
+from placecue.cue import Alteration, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.features import FeatureBatch, Features, stack
+from placecue.extraction import Extraction
+from placecue.features import FeatureBatch, Features, join, stack, take
 from placecue.folds import Rows
-from placecue.observation import Observation, Part
+from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
 from placecue.skipped import Skipped
+
+
+@dataclass(frozen=True)
+class CueSamples:
+    """The features of n samples by one cue.
+
+    Parameters
+    ----------
+    features : batch of n samples
+        Of the observations as recorded.
+    altered : tuple of batches of n samples
+        Of their copies for training, a batch an alteration.
+    """
+
+    features: FeatureBatch
+    altered: tuple[FeatureBatch, ...] = ()
+
+    def training(
+        self, labels: NDArray[np.str_], stamps: NDArray[np.int64] | None, rows: Rows | None = None
+    ) -> tuple[FeatureBatch, NDArray[np.str_], NDArray[np.int64] | None]:
+        """Return features, labels and stamps to train on.
+
+        Parameters
+        ----------
+        labels : ndarray of str, shape (n,)
+        stamps : ndarray of int64, shape (n,), or None
+        rows : ndarray of int64, optional
+            Which samples to train on; all by default. Each is followed by its altered copies, so
+            that folds do not part them.
+        """
+        rows = np.arange(len(labels)) if rows is None else rows
+        views = (self.features, *self.altered)
+        if len(views) == 1:
+            batch = take(self.features, rows)
+        else:
+            order = np.arange(len(rows) * len(views)).reshape(len(views), -1).T.ravel()
+            batch = take(join([take(view, rows) for view in views]), order)
+            rows = np.repeat(rows, len(views))
+        return batch, labels[rows], None if stamps is None else stamps[rows]
 
 
 @dataclass(frozen=True)
@@ -28,19 +68,25 @@ class Samples:
         The class of each sample.
     stamps : ndarray of int64, shape (n,)
         The time of each sample, ns.
-    features : mapping of str to batch of n samples
+    extracted : mapping of str to CueSamples
         For each cue that learns nothing, its features.
     observations : iterable of Observation
         Where the samples came from; read again for cues that learn.
     positions : ndarray of int64, shape (n,)
         Which of the observations are the samples.
+    origins : sequence of n origins
+        Where the samples come from, if that is known.
+    extraction : Extraction
+        How features come from observations.
     """
 
     labels: NDArray[np.str_]
     stamps: NDArray[np.int64]
-    features: Mapping[str, FeatureBatch]
+    extracted: Mapping[str, CueSamples]
     observations: Iterable[Observation]
     positions: NDArray[np.int64]
+    origins: list[Origin | None]
+    extraction: Extraction
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -49,16 +95,29 @@ class Samples:
         """Return the observations of the given samples (all by default), to be read again."""
         return Reread(self.observations, self.positions if rows is None else self.positions[rows])
 
-    def features_of(self, name: str, cue: Cue) -> FeatureBatch:
-        """Return all samples' features by a fitted cue."""
-        return self.features[name] if name in self.features else cue.transform(self.reread())
+    def fit(self, cue: Cue, rows: Rows | None = None) -> None:
+        """Fit a cue that learns on the given samples, all by default."""
+        rows = np.arange(len(self)) if rows is None else rows
+        origins = [self.origins[row] for row in rows]
+        self.extraction.fit(cue, self.reread(rows), self.labels[rows], origins)
 
-    def features_learned_from(self, name: str, cue: Cue, rows: Rows) -> FeatureBatch:
+    def of_cue(self, name: str, cue: Cue) -> CueSamples:
+        """Return all samples' features by a fitted cue."""
+        if name in self.extracted:
+            return self.extracted[name]
+        transform, reread = self.extraction.transform, self.reread()
+        return CueSamples(
+            transform(cue, reread),
+            tuple(transform(cue, map(alter, reread)) for alter in cue.alterations()),
+        )
+
+    def learned_from(self, name: str, cue: Cue, rows: Rows) -> CueSamples:
         """Return all samples' features by a copy of a cue that has learned from some of them."""
         if not cue.learns:
-            return self.features[name]
-        learned: Cue = clone(cue).fit(self.reread(rows), self.labels[rows])
-        return learned.transform(self.reread())
+            return self.extracted[name]
+        copy: Cue = clone(cue)
+        self.fit(copy, rows)
+        return self.of_cue(name, copy)
 
 
 @dataclass(frozen=True)
@@ -73,7 +132,33 @@ class Reread:
         return (each for number, each in enumerate(self.observations) if number in wanted)
 
 
-def collect(observations: Iterable[Observation], cues: Mapping[str, Cue]) -> Samples:
+class _Extracted:
+    """Gathers the features of one cue."""
+
+    def __init__(self, cue: Cue, extraction: Extraction) -> None:
+        self.cue, self.extraction = cue, extraction
+        self.views: list[Alteration | None] = [None, *cue.alterations()]
+        self.kept: list[list[Features]] = [[] for _ in self.views]
+
+    def features(self, observation: Observation) -> list[Features]:
+        """Return the features of an observation and of its altered copies."""
+        seen = (observation if alter is None else alter(observation) for alter in self.views)
+        return [self.extraction.features(self.cue, each) for each in seen]
+
+    def keep(self, features: list[Features]) -> None:
+        for kept, each in zip(self.kept, features, strict=True):
+            kept.append(each)
+
+    def samples(self) -> CueSamples:
+        recorded, *altered = map(stack, self.kept)
+        return CueSamples(recorded, tuple(altered))
+
+
+def collect(
+    observations: Iterable[Observation],
+    cues: Mapping[str, Cue],
+    extraction: Extraction | None = None,
+) -> Samples:
     """Read labelled observations once and extract every cue that learns nothing.
 
     Unlabelled observations are left out; unusable ones are passed over and reported once. No
@@ -85,6 +170,8 @@ def collect(observations: Iterable[Observation], cues: Mapping[str, Cue]) -> Sam
         A log. Where a cue learns it must be possible to iterate it again.
     cues : mapping of str to Cue
         The cues to extract.
+    extraction : Extraction, optional
+        How features come from observations; by default straight from the cues.
 
     Returns
     -------
@@ -103,9 +190,10 @@ def collect(observations: Iterable[Observation], cues: Mapping[str, Cue]) -> Sam
             f"cue {', '.join(learning)} learns and reads the observations more than once: "
             "give a log or a list, not a generator"
         )
+    extraction = Extraction() if extraction is None else extraction
     required: tuple[Part, ...] = tuple({part for cue in cues.values() for part in cue.requires})
-    extracted: dict[str, list[Features]] = {n: [] for n, cue in cues.items() if not cue.learns}
-    labels, stamps, positions = [], [], []
+    gathered = {n: _Extracted(cue, extraction) for n, cue in cues.items() if not cue.learns}
+    kept: list[tuple[str, int, int, Origin | None]] = []
     skipped, labelled, total = Skipped(), 0, 0
     for number, observation in enumerate(track(observations, "extracting cues")):
         total += 1
@@ -114,27 +202,32 @@ def collect(observations: Iterable[Observation], cues: Mapping[str, Cue]) -> Sam
         labelled += 1
         try:
             observation.require(required)
-            features = {name: cues[name].features(observation) for name in extracted}
+            features = {name: each.features(observation) for name, each in gathered.items()}
             if learning and "image" in required:
                 _ = observation.image
         except UnusableObservation as error:
             skipped.add(error)
             continue
         for name, of_cue in features.items():
-            extracted[name].append(of_cue)
-        labels.append(observation.label)
-        stamps.append(observation.stamp)
-        positions.append(number)
+            gathered[name].keep(of_cue)
+        kept.append((observation.label, observation.stamp, number, observation.origin))
+    _check(labelled, total, skipped)
+    labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
+    return Samples(
+        labels=np.asarray(labels, dtype=np.str_),
+        stamps=np.asarray(stamps, dtype=np.int64),
+        extracted={name: each.samples() for name, each in gathered.items()},
+        observations=observations,
+        positions=np.asarray(positions, dtype=np.int64),
+        origins=origins,
+        extraction=extraction,
+    )
+
+
+def _check(labelled: int, total: int, skipped: Skipped) -> None:
     if not labelled:
         raise DataError(
             f"none of the {total} observations has a label: training needs a label channel, an "
             "interval CSV (labels=FILE) or a source that labels"
         )
     skipped.report(labelled)
-    return Samples(
-        labels=np.asarray(labels, dtype=np.str_),
-        stamps=np.asarray(stamps, dtype=np.int64),
-        features={name: stack(of_cue) for name, of_cue in extracted.items()},
-        observations=observations,
-        positions=np.asarray(positions, dtype=np.int64),
-    )

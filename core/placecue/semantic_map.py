@@ -7,7 +7,7 @@ from typing import Any
 
 from placecue.errors import DataError
 
-#: The label of an area that no belief was sure enough of.
+#: The label of a belief that was not sure enough, and of an area that none was sure enough of.
 UNKNOWN = "unknown"
 
 

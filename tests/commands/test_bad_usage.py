@@ -50,7 +50,7 @@ def nothing_but_empty_folders(folder: Path) -> bool:
             ["train", *LASER, f"classifier@{SVM}=svn"],
             "unknown classifier 'svn'; did you mean 'svm'",
         ),
-        (["train", "lgo=a.mcap"], "there is no 'lgo'; did you mean 'log'? available: cues, folds,"),
+        (["train", "lgo=a.mcap"], "there is no 'lgo'; did you mean 'log'? available: cache, cues,"),
         (["train", *LASER, f"{SVM}.qqq=1"], f"there is no 'qqq' in {SVM}; available: C, class_we"),
         (["train", "source.scn_topic=/scan"], "no 'scn_topic' in source; did you mean 'scan_topic"),
         (["label", "accumulator=nope"], "unknown accumulator 'nope'; available: "),

@@ -70,7 +70,7 @@ def test_out_of_fold_scores_come_from_models_that_have_not_seen_the_sample() -> 
     samples = collect(Walk(), {"brightness": Watched()})
     labels, stamps = samples.labels, samples.stamps
     classifier = SVM(kernel=RBF(gamma=0.001)).fit(
-        samples.features_learned_from("brightness", Watched(), np.arange(len(samples))),
+        samples.learned_from("brightness", Watched(), np.arange(len(samples))).features,
         labels,
         stamps,
     )
@@ -78,7 +78,7 @@ def test_out_of_fold_scores_come_from_models_that_have_not_seen_the_sample() -> 
     seen.clear()
     scores = OutOfFold(folds).scores(
         classifier,
-        lambda rows: samples.features_learned_from("brightness", Watched(), rows),
+        lambda rows: samples.learned_from("brightness", Watched(), rows),
         labels,
         stamps,
     )

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from scipy import sparse
 
-from placecue import DataError, DescriptorSets, Pipeline, PluginError, UsageError
+from placecue import DataError, DescriptorSets, Pipeline, PluginError, Unknown, UsageError
 from placecue.discovery.registry import Registry
 from placecue.storage.model import load_model, read_manifest, save_model
 from placecue.storage.state import Decoder, Encoder
@@ -52,6 +52,29 @@ def test_a_search_is_kept_with_the_model(known: Registry, tmp_path: Path) -> Non
     assert loaded.cues["beams"][1].search_ == svm.search_
     assert loaded.cues["beams"][1].kernel_.gamma == 0.1
     assert loaded.cues["beams"][1].layout_ == svm.layout_
+
+
+def test_a_threshold_for_unknown_is_kept_with_the_model(known: Registry, tmp_path: Path) -> None:
+    cues = {"beams": (Beams(), SVM(kernel=RBF(gamma=0.1)))}
+    trained = Pipeline(cues, unknown=Unknown(false_accept_rate=0.3)).fit(Walk(noise=1.0))
+    loaded = load_model(save_model(trained, tmp_path / "m", known), known)
+    assert trained.rejection_ is not None
+    assert (loaded.unknown, loaded.rejection_) == (trained.unknown, trained.rejection_)
+    walk = list(Walk(seed=1, noise=1.0))
+    labels = [belief.label for belief in loaded.beliefs(walk)]
+    assert labels == [belief.label for belief in trained.beliefs(walk)]
+    assert set(labels) > {"unknown"}
+
+
+def test_a_model_that_knows_nothing_of_unknown_loads(
+    fitted: Pipeline, folder: Path, known: Registry
+) -> None:
+    assert "rejection" not in json.loads((folder / "state.json").read_text())
+    manifest = json.loads((folder / "manifest.json").read_text())
+    del manifest["pipeline"]["unknown"]  # as it was before there was one
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    loaded = load_model(folder, known)
+    assert (loaded.unknown, loaded.rejection_) == (None, None)
 
 
 def test_the_manifest_says_what_the_model_is_made_of(folder: Path) -> None:

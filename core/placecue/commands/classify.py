@@ -7,6 +7,7 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands import show
+from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
 from placecue.discovery.manager import current_plugins
 from placecue.evaluation.tally import Tally
@@ -24,11 +25,14 @@ def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry)
-    log = open_source(config, plugins, parts=(*pipeline.requires, "pose", "label"))
     table, annotated, metrics = out / "beliefs.csv", out / "beliefs.mcap", out / "metrics.json"
     tally = Tally()
-    made(out)
+    tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
+        pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
+        parts = (*pipeline.requires, "pose", "label")
+        log = open_source(config, plugins, parts=parts, extraction=pipeline.extraction)
+        made(out)
         listeners: list[Listener] = [
             tally,
             stack.enter_context(belief_table(table)),

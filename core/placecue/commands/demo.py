@@ -25,8 +25,7 @@ def run(config: dict[str, Any]) -> None:
         convert.convert({**config, "source": {**config["source"], "run": number}}, log)
 
     print(f"training {' + '.join(config['cues'])} on {logs[0].name} ...")
-    pipeline = train.train({**config, "source": _reading(logs[0])}, out / "model")
-    show.chosen_parameters(pipeline)
+    show.training(*train.train({**config, "source": _reading(logs[0])}, out / "model"))
 
     print(f"\nclassifying and labelling {logs[1].name}, which the model has not seen ...")
     tally, labelled = Tally(), {**config, "model": out / "model", "source": _reading(logs[1])}

@@ -8,6 +8,7 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands import show
+from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
 from placecue.config import build
 from placecue.discovery.manager import current_plugins
@@ -42,10 +43,13 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     plugins = current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry)
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
-    log = open_source(config, plugins, parts=(*pipeline.requires, "scan", "pose", "label"))
     surroundings = Surroundings()
-    made(out)
+    tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
+        pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
+        parts = (*pipeline.requires, "scan", "pose", "label")
+        log = open_source(config, plugins, parts=parts, extraction=pipeline.extraction)
+        made(out)
         annotated = stack.enter_context(AnnotatedLog(out / "annotated.mcap", pipeline.classes))
         listeners: list[Listener] = [
             tally,

@@ -9,6 +9,7 @@ from typing import Any
 from placecue.config import build
 from placecue.discovery.manager import Plugins
 from placecue.errors import UsageError
+from placecue.extraction import Extraction
 from placecue.label_map import LabelMap
 from placecue.logs.rooms import read_rooms
 from placecue.observation import PARTS, Part
@@ -21,6 +22,7 @@ def open_source(
     plugins: Plugins,
     log: str = "log",
     parts: Sequence[Part] | None = None,
+    extraction: Extraction | None = None,
 ) -> Source:
     """Open the source of a command.
 
@@ -38,6 +40,8 @@ def open_source(
     parts : sequence of str, optional
         The parts of an observation that the command can use; a source that lets one choose reads
         no others, and does not ask which of several topics to take for them.
+    extraction : Extraction, optional
+        What will extract features from the source's observations.
 
     Raises
     ------
@@ -59,6 +63,8 @@ def open_source(
     if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
         specs = [{**spec, "path": path} for path in paths]
     sources: list[Source] = [build(each, "source", plugins.registry) for each in specs]
+    if extraction is not None:
+        sources = list(map(extraction.following, sources))
     sources = [relabelled(each, config) for each in sources]
     for source in sources:
         plugins.tell("log_opened", source=source)

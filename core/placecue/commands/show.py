@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from placecue.evaluation.tally import Tally
+from placecue.evaluation.search_figure import SCORE, as_text
+from placecue.evaluation.tally import INTEGRATED, Tally
+from placecue.evaluation.training_report import searches
 from placecue.pipeline import Pipeline
+from placecue.semantic_map import UNKNOWN
 
 
 def console() -> Console:
@@ -29,34 +33,54 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], title: str = "
 
 
 def scores(tally: Tally) -> None:
-    """Print the recall of each class and the balanced accuracy, by cue and integrated."""
+    """Print the recall of each class and the balanced accuracy, by cue and integrated.
+
+    Where the pipeline can say "unknown", also how much of each class it did.
+    """
+    headings = ["class (% recognised)", "samples", *tally.methods]
     rows = [
         [name, str(tally.samples(name)), *(_percent(tally.recall(m, name)) for m in tally.methods)]
         for name in tally.classes()
     ]
     accuracy = [_percent(tally.balanced_accuracy(method)) for method in tally.methods]
     rows.append(["balanced accuracy", "", *accuracy])
-    table(["class (% recognised)", "samples", *tally.methods], rows)
+    if tally.says_unknown:
+        headings.append(f"{UNKNOWN} (%)")
+        for row, name in zip(rows, tally.classes(), strict=False):
+            row.append(_percent(tally.unknown(INTEGRATED, name)))
+    table(headings, rows)
+    if tally.says_unknown:
+        share, right = tally.unknown(INTEGRATED), tally.accuracy_of_named(INTEGRATED)
+        print(f"{UNKNOWN}: {_percent(share)} % of all; of the others {_percent(right)} % are right")
     if tally.unlabelled or tally.unusable:
         print(f"not scored: {tally.unlabelled} without a label, {tally.unusable} unusable")
 
 
+def training(pipeline: Pipeline, report: Sequence[tuple[str, Path]]) -> None:
+    """Print what training found, and where it wrote the rest."""
+    chosen_parameters(pipeline)
+    found = pipeline.rejection_
+    if found is not None:
+        print(
+            f"{UNKNOWN}: below a confidence of {found.threshold:.3g}; on held-out samples this "
+            f"keeps {_percent(found.accept_rate)} % of the {found.n_right} right decisions and "
+            f"accepts {_percent(found.false_accept_rate)} % of the {found.n_wrong} wrong ones"
+        )
+    if report:
+        written(report)
+
+
 def chosen_parameters(pipeline: Pipeline) -> None:
     """Print what the parameter search of each classifier found, where there was one."""
-    models = {name: classifier for name, (_, classifier) in pipeline.cues.items()}
-    integrating = getattr(pipeline.integrator, "classifier_", None)
-    if integrating is not None:
-        models["integrator"] = integrating
+    found = searches(pipeline)
+    names = list(dict.fromkeys(name for each in found.values() for name in each if name != SCORE))
     rows = []
-    for name, model in models.items():
-        search = getattr(model, "search_", None)
-        if search:
-            accuracy = search["balanced_accuracy"]
-            best = accuracy.index(max(accuracy))
-            found = [f"{search[key][best]:g}" if key in search else "" for key in ("C", "gamma")]
-            rows.append([name, *found, _percent(max(accuracy))])
+    for classifier, results in found.items():
+        best = int(np.argmax(results[SCORE]))
+        chosen = [as_text(results[name][best]) if name in results else "" for name in names]
+        rows.append([classifier, *chosen, _percent(results[SCORE][best])])
     if rows:
-        table(["classifier", "C", "gamma", "balanced accuracy in cross-validation (%)"], rows)
+        table(["classifier", *names, "balanced accuracy in cross-validation (%)"], rows)
 
 
 def written(paths: Iterable[tuple[str, Path]]) -> None:

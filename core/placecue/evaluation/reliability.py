@@ -90,6 +90,8 @@ def draw_reliability(
 ) -> Path:
     """Draw reliability diagrams over histograms of the probabilities.
 
+    A point is the larger the more decisions it stands for.
+
     Parameters
     ----------
     measured : mapping of str to Reliability
@@ -106,13 +108,17 @@ def draw_reliability(
     axes.plot([0, 1], [0, 1], "--", color="#8A8A8A", label="perfectly calibrated")
     for name, each in measured.items():
         filled = each.counts > 0
-        label = f"{name} (error {100 * each.error:.1f} %)"
-        axes.plot(each.probability[filled], each.accuracy[filled], "o-", label=label)
-        below.stairs(each.counts / each.counts.sum(), each.edges, linewidth=1.5)
+        label = f"{name} (calibration error {100 * each.error:.1f} %)"
+        share = each.counts / each.counts.sum()
+        line, *_ = axes.plot(each.probability[filled], each.accuracy[filled], label=label)
+        # Small where there are few decisions, whose share of right ones says little.
+        size = 10 + 250 * share[filled]
+        axes.scatter(each.probability[filled], each.accuracy[filled], size, color=line.get_color())
+        below.stairs(share, each.edges, linewidth=1.5)
     axes.set_ylabel("share that is right")
-    axes.set_ylim(0, 1.02)
+    axes.set_ylim(-0.03, 1.03)
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper left")
+    axes.legend(loc="best")
     below.set_xlabel("probability of the decision")
     below.set_ylabel("share of decisions")
     below.set_xlim(0, 1)

@@ -13,6 +13,9 @@ from placecue.errors import UsageError
 from placecue.evaluation.pictures import save_picture
 
 SCORE = "balanced_accuracy"
+FRAME = "#D55E00"
+#: With more columns than this they are narrower, and their values slanted.
+MANY_COLUMNS = 12
 Results = Mapping[str, Sequence[Any]]
 
 
@@ -27,7 +30,7 @@ def search_rows(results: Results) -> list[list[str]]:
     names = [name for name in results if name != SCORE]
     order = np.argsort(-np.asarray(results[SCORE]), kind="stable")
     return [
-        [*(_text(results[name][row]) for name in names), f"{100 * results[SCORE][row]:.1f}"]
+        [*(as_text(results[name][row]) for name in names), f"{100 * results[SCORE][row]:.1f}"]
         for row in order
     ]
 
@@ -50,6 +53,8 @@ def draw_search(
 ) -> Path:
     """Draw the balanced accuracy over two parameters; the best over all others.
 
+    The point that the classifier took is framed.
+
     Parameters
     ----------
     results : mapping of str to sequence
@@ -67,38 +72,43 @@ def draw_search(
         If neither parameter was searched, or the file is no picture.
     """
     from matplotlib.figure import Figure
+    from matplotlib.patches import Rectangle
 
     if across not in results and up not in results:
         searched = ", ".join(name for name in results if name != SCORE)
         raise UsageError(f"neither {across} nor {up} was searched; searched: {searched}")
     columns, rows = _values(results, across), _values(results, up)
     best = _best(results, (rows, up), (columns, across))
-    size = max(4.5, 0.75 * len(columns) + 2), max(3.2, 0.5 * len(rows) + 1.6)
-    figure = Figure(figsize=size, dpi=100, layout="constrained")
+    many = len(columns) > MANY_COLUMNS
+    width = max(4.5, (0.5 if many else 0.75) * len(columns) + 2)
+    figure = Figure((width, max(3.2, 0.5 * len(rows) + 1.6)), dpi=100, layout="constrained")
     axes = figure.add_subplot()
     image = axes.imshow(100 * best, origin="lower", aspect="auto", cmap="viridis")
-    axes.set_xticks(range(len(columns)), [_text(value) for value in columns])
-    axes.set_yticks(range(len(rows)), [_text(value) for value in rows])
-    axes.set_xlabel(across)
-    axes.set_ylabel(up)
+    # A parameter that was not searched has a single row or column, and no axis.
+    shown = [as_text(value) for value in columns if across in results]
+    axes.set_xticks(range(len(shown)), shown, rotation=45 if many else 0)
+    axes.set_xlabel(across if shown else "")
+    shown = [as_text(value) for value in rows if up in results]
+    axes.set_yticks(range(len(shown)), shown)
+    axes.set_ylabel(up if shown else "")
     middle = 50 * (np.nanmin(best) + np.nanmax(best))
     for (row, column), share in np.ndenumerate(best):
         colour = "white" if 100 * share < middle else "black"
-        axes.text(
-            column, row, f"{100 * share:.1f}", ha="center", va="center", color=colour, fontsize=9
-        )
+        said = axes.text(column, row, f"{100 * share:.1f}", ha="center", va="center", color=colour)
+        said.set_fontsize(8 if many else 9)
     # The same point as the classifier's: the first of equals.
     first = int(np.argmax(results[SCORE]))
-    place = [
+    column, row = (
         values.index(results[name][first]) if name in results else 0
         for values, name in ((columns, across), (rows, up))
-    ]
-    axes.plot(*place, "s", markersize=30, markerfacecolor="none", markeredgecolor="#D55E00", mew=2)
-    figure.colorbar(image, label="balanced accuracy in cross-validation (%)")
+    )
+    axes.add_patch(Rectangle((column - 0.46, row - 0.46), 0.92, 0.92, fill=False, ec=FRAME, lw=2.5))
+    figure.colorbar(image, fraction=0.5 / width, pad=0.1 / width)
     others = [name for name in results if name not in (SCORE, across, up)]
-    heading = [title] if title else []
+    what = "balanced accuracy in cross-validation (%)"
+    heading = [f"{title}: {what}" if title else what]
     heading += [f"best over {', '.join(others)}"] if others else []
-    axes.set_title("\n".join(heading))
+    axes.set_title("\n".join(heading), fontsize=10)
     return save_picture(figure, path)
 
 
@@ -119,7 +129,9 @@ def _best(results: Results, *axes: tuple[list[Any], str]) -> NDArray[np.float64]
     return best
 
 
-def _text(value: Any) -> str:
+def as_text(value: Any) -> str:
+    """Return the value of a parameter as a table shows it; a dash for null."""
     if value is None:
         return "-"
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return f"{value:g}" if number else str(value)

@@ -8,6 +8,7 @@ from typing import Any
 from placecue.accumulator import AreaUpdate
 from placecue.belief import Belief
 from placecue.observation import Observation
+from placecue.semantic_map import UNKNOWN
 
 INTEGRATED = "integrated"
 
@@ -15,8 +16,12 @@ INTEGRATED = "integrated"
 class Tally:
     """Confusion counts of a labelled log; a listener.
 
+    "unknown" is a label like any other: it is not the class, so it is no recognition.
+
     Attributes
     ----------
+    says_unknown : bool
+        Whether the pipeline can say "unknown"; set by who knows the pipeline.
     counts : dict of str to Counter
         For each method (a cue, or ``integrated``) how often (truth, predicted) came up.
     unlabelled, unusable : int
@@ -24,6 +29,7 @@ class Tally:
     """
 
     def __init__(self) -> None:
+        self.says_unknown = False
         self.counts: dict[str, Counter[tuple[str, str]]] = defaultdict(Counter)
         self.unlabelled = 0
         self.unusable = 0
@@ -63,9 +69,17 @@ class Tally:
 
     def recall(self, method: str, truth: str) -> float | None:
         """Return the share of a class that a method recognised; None if it saw none of it."""
-        counter = self.counts[method]
-        total = sum(count for (name, _), count in counter.items() if name == truth)
-        return counter[truth, truth] / total if total else None
+        return self._share(method, truth, truth)
+
+    def unknown(self, method: str, truth: str | None = None) -> float | None:
+        """Return the share of a class (of all by default) that a method called unknown."""
+        return self._share(method, truth, UNKNOWN)
+
+    def accuracy_of_named(self, method: str) -> float | None:
+        """Return the share of right ones among decisions that name a class; None without any."""
+        named = {pair: n for pair, n in self.counts[method].items() if pair[1] != UNKNOWN}
+        right = sum(count for (truth, predicted), count in named.items() if truth == predicted)
+        return right / sum(named.values()) if named else None
 
     def balanced_accuracy(self, method: str) -> float:
         """Return the mean of the per-class recalls, the paper's score."""
@@ -82,6 +96,8 @@ class Tally:
                 method: {
                     "balanced_accuracy": self.balanced_accuracy(method),
                     "recall": {truth: self.recall(method, truth) for truth in self.classes()},
+                    "unknown": self.unknown(method),
+                    "accuracy_of_named": self.accuracy_of_named(method),
                     "confusion": [
                         {"truth": truth, "predicted": predicted, "count": count}
                         for (truth, predicted), count in sorted(self.counts[method].items())
@@ -90,3 +106,11 @@ class Tally:
                 for method in self.methods
             },
         }
+
+    def _share(self, method: str, truth: str | None, predicted: str) -> float | None:
+        """Return how much of a class, or of all, a method took for another."""
+        of_class = Counter[str]()
+        for (name, said), count in self.counts[method].items():
+            if truth in (None, name):
+                of_class[said] += count
+        return of_class[predicted] / of_class.total() if of_class else None

@@ -12,6 +12,7 @@ import hashlib
 import json
 import platform
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -26,6 +27,7 @@ from placecue.discovery.hooks import Kind
 from placecue.discovery.registry import Registry
 from placecue.errors import DataError, PlacecueError, PluginError
 from placecue.pipeline import Pipeline
+from placecue.rejection import Rejection
 from placecue.source import Source
 from placecue.storage.atomic import made, replacing, write_json, write_text
 from placecue.storage.state import Decoder, Encoder
@@ -76,6 +78,8 @@ def save_model(
         },
         "integrator": encoder.state(pipeline.integrator, "integrator"),
     }
+    if pipeline.rejection_ is not None:
+        state["rejection"] = asdict(pipeline.rejection_)
     made(folder)
     (folder / MANIFEST).unlink(missing_ok=True)
     write_text(folder / CONFIG, _as_yaml(config or composition))
@@ -160,6 +164,8 @@ def _restore(composition: Mapping[str, Any], state: Any, decoder: Decoder) -> Pi
         decoder.restore(cue, state["cues"][name]["cue"])
         decoder.restore(classifier, state["cues"][name]["classifier"])
     decoder.restore(pipeline.integrator, state["integrator"])
+    if "rejection" in state:
+        pipeline.rejection_ = Rejection(**state["rejection"])
     return pipeline
 
 

@@ -11,16 +11,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 from sklearn.base import BaseEstimator
 
 from placecue.config import build, describe
 from placecue.discovery.hooks import Kind
 from placecue.discovery.registry import Registry
 from placecue.errors import DataError, UsageError
-from placecue.features import DescriptorSets
 from placecue.scaling import SCALINGS, Scaling
 from placecue.scores import Layout, layout_from_json
+from placecue.storage.arrays import from_parts, parts_of
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -94,26 +93,17 @@ class Encoder:
         return {"@": "component", "kind": kind, "spec": spec, "state": self.state(value, where)}
 
     def _array(self, value: Any, where: str) -> dict[str, Any]:
-        if isinstance(value, DescriptorSets):
-            parts: Arrays = {"values": value.values, "offsets": value.offsets}
-            return {"@": "descriptors", **self._aside(parts)}
-        if sparse.issparse(value):
-            csr = sparse.csr_array(value)
-            parts = {"data": csr.data, "indices": csr.indices, "indptr": csr.indptr}
-            return {"@": "csr", "shape": list(csr.shape), **self._aside(parts)}
-        if isinstance(value, np.ndarray) and value.dtype.kind in "biufUSM":
-            return {"@": "array", **self._aside({"value": value})}
-        raise UsageError(
-            f"{where} is a {type(value).__name__}, which a model folder cannot hold: keep learned "
-            "state as numbers, strings, lists, mappings, arrays, layouts or registered components"
-        )
-
-    def _aside(self, parts: Arrays) -> dict[str, str]:
-        names = {}
-        for part, array in parts.items():
-            names[part] = f"a{len(self.arrays)}"
-            self.arrays[names[part]] = array
-        return names
+        taken_apart = parts_of(value)
+        if taken_apart is None:
+            raise UsageError(
+                f"{where} is a {type(value).__name__}, which a model folder cannot hold: keep "
+                "learned state as numbers, strings, lists, mappings, arrays, layouts or registered "
+                "components"
+            )
+        what, parts = taken_apart
+        names = {part: f"a{len(self.arrays) + i}" for i, part in enumerate(parts)}
+        self.arrays.update({names[part]: array for part, array in parts.items()})
+        return {**what, **names}
 
 
 class Decoder:
@@ -166,11 +156,7 @@ class Decoder:
         return component
 
     def _array(self, kind: Any, value: Mapping[str, Any]) -> Any:
-        if kind == "array":
-            return self.arrays[value["value"]]
-        if kind == "csr":
-            parts = tuple(self.arrays[value[part]] for part in ("data", "indices", "indptr"))
-            return sparse.csr_array(parts, shape=tuple(value["shape"]))
-        if kind == "descriptors":
-            return DescriptorSets(self.arrays[value["values"]], self.arrays[value["offsets"]])
-        raise DataError(f"the model holds a value of unknown kind {kind!r}")
+        if kind not in ("array", "csr", "descriptors"):
+            raise DataError(f"the model holds a value of unknown kind {kind!r}")
+        names = {part: name for part, name in value.items() if isinstance(name, str)}
+        return from_parts(value, {p: self.arrays[n] for p, n in names.items() if p != "@"})

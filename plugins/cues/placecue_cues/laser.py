@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from itertools import groupby
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.cue import Cue
+from placecue.cue import Alteration, Cue
 from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.features import FeatureBatch, stack
 from placecue.observation import LaserScan, Observation, Part
@@ -61,6 +62,9 @@ class LaserGeometry(Cue):
         ones.
     hu_floor : float
         Hu's moments below this are on a linear scale, above on a logarithmic one.
+    scales : sequence of float
+        Training also sees every scan with its ranges times each of these, such as 0.8 and 1.25:
+        rooms of another building are of other sizes. 1 is always among them.
 
     References
     ----------
@@ -84,6 +88,7 @@ class LaserGeometry(Cue):
         line_beams: int = 8,
         minima_depth: float = 0.1,
         hu_floor: float = 1e-7,
+        scales: Sequence[float] = (1.0,),
     ) -> None:
         self.preset = preset
         self.angular_step = angular_step
@@ -96,6 +101,7 @@ class LaserGeometry(Cue):
         self.line_beams = line_beams
         self.minima_depth = minima_depth
         self.hu_floor = hu_floor
+        self.scales = scales
 
     @property
     def feature_names(self) -> list[str]:
@@ -144,6 +150,18 @@ class LaserGeometry(Cue):
         scan = _scan(observation)
         return np.asarray(self._features(_ranges(scan)[None], scan.angles)[0])
 
+    def alterations(self) -> Sequence[Alteration]:
+        """Return what scales a scan, for each of ``scales`` but 1.
+
+        Raises
+        ------
+        UsageError
+            If a scale is not above 0.
+        """
+        if not all(scale > 0 for scale in self.scales):
+            raise UsageError(f"laser scales must be above 0, got {list(self.scales)}")
+        return [partial(_scaled, scale=scale) for scale in self.scales if scale != 1]
+
     def transform(self, observations: Iterable[Observation]) -> FeatureBatch:
         """Return the features of several observations, shape (n, d); see :class:`Cue`.
 
@@ -173,6 +191,10 @@ class LaserGeometry(Cue):
         ]
         if wrong:
             raise UsageError(f"laser parameters must be above 0, got {', '.join(wrong)}")
+
+
+def _scaled(observation: Observation, scale: float) -> Observation:
+    return observation.altered(f"scaled by {scale:g}", scan=_scan(observation).scaled(scale))
 
 
 def _scan(observation: Observation) -> LaserScan:

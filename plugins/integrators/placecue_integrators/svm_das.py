@@ -64,5 +64,10 @@ class SVMDAS(Integrator):
         """Return the classifier's outputs on the joined scores, in its own layout."""
         return self.classifier_.scores(self.scaling_.transform(self._joined(evidence, rows)))
 
+    def chosen(self) -> Self:
+        """Return an unfitted copy whose classifier has the parameters that its search found."""
+        copy: Self = super().chosen()
+        return copy.set_params(classifier=self.classifier_.chosen())  # type: ignore[no-any-return]
+
     def _joined(self, evidence: Evidence, rows: Rows | None = None) -> NDArray[np.float64]:
         return np.hstack([evidence.scores(cue, rows).values for cue in self.cues_])

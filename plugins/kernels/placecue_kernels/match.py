@@ -65,8 +65,8 @@ class Match(DistanceKernel):
     memory : float
         Nearest distances that take more than this are kept in a temporary file, GB.
     n_jobs : int, optional
-        Threads that match side by side; by default what joblib's backend is set to, or one, with
-        BLAS free to use more.
+        Threads that match side by side; by default what joblib's backend is set to, or else as
+        many as BLAS may use (``OMP_NUM_THREADS``).
 
     References
     ----------
@@ -169,7 +169,7 @@ class Match(DistanceKernel):
         prepared(b)
         firsts = range(len(a)) if within else [0] * len(a)
         queue = ((block(a, i, i + 1), blocks(b, first, _BLOCK)) for i, first in enumerate(firsts))
-        n_jobs = joblib.effective_n_jobs(self.n_jobs)
+        n_jobs = self._threads()
         if n_jobs == 1:
             for each in queue:
                 match(*each)
@@ -179,9 +179,16 @@ class Match(DistanceKernel):
             listed = list(others)
             queue = ((one, iter(listed[job::n_jobs])) for job in range(n_jobs))
         # Not joblib, whose threads take longer to start than one image takes to match.
-        with _blas().limit(limits=1, user_api="blas"), ThreadPoolExecutor(n_jobs) as threads:
+        with _blas().limit(limits=1), ThreadPoolExecutor(n_jobs) as threads:
             for done in [threads.submit(match, *each) for each in queue]:
                 done.result()
+
+    def _threads(self) -> int:
+        n_jobs: int = joblib.effective_n_jobs(self.n_jobs)
+        if self.n_jobs is not None or n_jobs > 1:
+            return n_jobs
+        # Whole samples shared out among threads wait for one another less than BLAS's own do.
+        return max((each.num_threads for each in _blas().lib_controllers), default=1)
 
     def _average(self, squared: NDArray[Any], offsets: Offsets) -> Gram:
         """Return the mean of exp(-gamma squared) over each sample's descriptors, 0 for none."""
@@ -196,7 +203,7 @@ class Match(DistanceKernel):
 @cache
 def _blas() -> ThreadpoolController:
     """Return what sets the threads of BLAS; finding the libraries takes milliseconds."""
-    return ThreadpoolController()
+    return ThreadpoolController().select(user_api="blas")
 
 
 def _widest(batch: DescriptorSets) -> int:

@@ -1,0 +1,103 @@
+"""What training leaves beside a model: its parameter searches, and a reliability diagram."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from placecue.evaluation.reliability import Reliability, draw_reliability, reliability
+from placecue.evaluation.search_figure import SCORE, Results, draw_search, search_table
+from placecue.evaluation.tally import INTEGRATED
+from placecue.held_out import HeldOut
+from placecue.integrator import OnlyCue
+from placecue.pipeline import Pipeline
+from placecue.scores import Probabilities, Scores
+from placecue.storage.atomic import write_text
+
+INTEGRATOR = "integrator"
+SEARCHES, RELIABILITY = "search", "reliability.png"
+
+
+def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, Path]]:
+    """Write what training has to tell into a folder, in place of what an earlier one told.
+
+    Parameters
+    ----------
+    pipeline : Pipeline
+        A pipeline fresh from training.
+    folder : Path
+        Its model folder. ``search/NAME.md`` is the table of a parameter search, by the name of
+        the cue or ``integrator``; ``search/NAME.png`` its heat map, where C or gamma was searched;
+        ``reliability.png`` the diagram of all classifiers that give probabilities.
+
+    Returns
+    -------
+    list of (str, Path)
+        What was written where, in words.
+    """
+    _clear(pipeline, folder)
+    written = []
+    searched = searches(pipeline)
+    for name, results in searched.items():
+        write_text(folder / SEARCHES / f"{name}.md", search_table(results))
+        if not {"C", "gamma"}.isdisjoint(results):
+            draw_search(results, folder / SEARCHES / f"{name}.png", title=name)
+    if searched:
+        written.append(("parameter searches", folder / SEARCHES))
+    measured = held_out_reliability(pipeline)
+    if measured:
+        draw_reliability(measured, folder / RELIABILITY, title="Reliability on held-out samples")
+        written.append(("reliability diagram", folder / RELIABILITY))
+    return written
+
+
+def _clear(pipeline: Pipeline, folder: Path) -> None:
+    """Take away what an earlier training in the same folder told, and nothing else."""
+    for name in (*pipeline.cues, INTEGRATOR):
+        for suffix in ("md", "png"):
+            (folder / SEARCHES / f"{name}.{suffix}").unlink(missing_ok=True)
+    (folder / RELIABILITY).unlink(missing_ok=True)
+    with suppress(OSError):  # it is not there, or not empty
+        (folder / SEARCHES).rmdir()
+
+
+def searches(pipeline: Pipeline) -> dict[str, Results]:
+    """Return the points of each parameter search, by the name of the cue or ``integrator``.
+
+    A classifier that searched has them as ``search_``: one list for each parameter, and one of
+    ``balanced_accuracy``.
+    """
+    models: dict[str, Any] = {name: each for name, (_, each) in pipeline.cues.items()}
+    models[INTEGRATOR] = getattr(pipeline.integrator, "classifier_", None)
+    found = {name: getattr(model, "search_", None) for name, model in models.items()}
+    return {name: results for name, results in found.items() if results and SCORE in results}
+
+
+def held_out_reliability(pipeline: Pipeline) -> dict[str, Reliability]:
+    """Return the reliability of each classifier that gives probabilities, on held-out samples.
+
+    By the name of the cue, or ``integrated``. Empty after loading a model.
+    """
+    held_out = pipeline.held_out_
+    if held_out is None:
+        return {}
+    measured = {}
+    for cue in held_out.evidence.cues:
+        if isinstance(held_out.evidence.layout(cue), Probabilities):
+            measured[cue] = reliability(held_out.evidence.scores(cue), held_out.labels)
+    if not isinstance(pipeline.integrator, OnlyCue):
+        measured.update(_integrated(pipeline, held_out))
+    return measured
+
+
+def _integrated(pipeline: Pipeline, held_out: HeldOut) -> dict[str, Reliability]:
+    layout = pipeline.integrator.integrate(held_out.evidence, np.zeros(1, dtype=np.int64)).layout
+    if not isinstance(layout, Probabilities):
+        return {}
+    scored = held_out.integrated(pipeline.integrator, pipeline.folds)
+    rows = np.concatenate([rows for rows, _ in scored])
+    values = np.concatenate([scores.values for _, scores in scored])
+    return {INTEGRATED: reliability(Scores(values, layout), held_out.labels[rows])}

@@ -1,0 +1,54 @@
+"""Arrays of every kind as plain numpy arrays under names, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from placecue.features import DescriptorSets
+
+Parts = dict[str, NDArray[Any]]
+#: Kinds of numpy data that are kept: numbers, truth values and text; no objects.
+_PLAIN = "biufUSM"
+
+
+def parts_of(value: Any) -> tuple[dict[str, Any], Parts] | None:
+    """Take an array, sparse matrix or batch of descriptor sets apart.
+
+    Returns
+    -------
+    tuple of dict and dict, or None
+        What it is, as JSON, and its plain arrays by name; None if it is nothing of the kind.
+    """
+    if isinstance(value, DescriptorSets):
+        return {"@": "descriptors"}, {"values": value.values, "offsets": value.offsets}
+    if sparse.issparse(value):
+        csr = sparse.csr_array(value)
+        parts = {"data": csr.data, "indices": csr.indices, "indptr": csr.indptr}
+        return {"@": "csr", "shape": list(csr.shape)}, parts
+    if isinstance(value, np.ndarray) and value.dtype.kind in _PLAIN:
+        return {"@": "array"}, {"value": value}
+    return None
+
+
+def from_parts(what: Mapping[str, Any], parts: Mapping[str, NDArray[Any]]) -> Any:
+    """Return what :func:`parts_of` took apart.
+
+    Raises
+    ------
+    KeyError
+        If a part is missing, or it is nothing of the kind.
+    """
+    kind = what["@"]
+    if kind == "array":
+        return parts["value"]
+    if kind == "csr":
+        arrays = tuple(parts[part] for part in ("data", "indices", "indptr"))
+        return sparse.csr_array(arrays, shape=tuple(what["shape"]))
+    if kind == "descriptors":
+        return DescriptorSets(parts["values"], parts["offsets"])
+    raise KeyError(kind)

@@ -1,0 +1,260 @@
+"""Features that are kept between runs, by log, cue, version and parameters.
+
+``FOLDER/LOG/CUE-KEY/000000.npz`` holds the features of the first observations of the log with
+that digest by one cue; ``FOLDER/learned/CUE-KEY/state.npz`` what a cue has learned from given
+observations. Files are written whole and hold arrays and JSON only, so that runs side by side may
+share the folder, a killed run goes on where it was, and reading never runs code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from inspect import signature
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import joblib
+import numpy as np
+
+from placecue.cue import Cue
+from placecue.discovery.registry import Registry
+from placecue.errors import PlacecueError, UnusableObservation, UsageError
+from placecue.extraction import AnyCue, Extraction
+from placecue.features import FeatureBatch, Features, single, stack
+from placecue.observation import Observation, Origin
+from placecue.source import Source
+from placecue.storage import cache_folder, shard
+from placecue.storage.atomic import replacing
+from placecue.storage.cached_log import CachedLog
+from placecue.storage.shard import DAMAGE, Entry, Shard
+from placecue.storage.state import Decoder, Encoder, learned
+
+log = logging.getLogger(__name__)
+
+LEARNED = "learned"
+_GIGA = 1e9
+
+
+class FeatureCache(Extraction):
+    """Extracts what is not kept yet; to be used in a ``with`` block, which writes the last of it.
+
+    A folder that cannot be written to costs a warning and no more.
+
+    Parameters
+    ----------
+    folder : Path
+        Where features are kept; made if it is not there.
+    registry : Registry
+        Names the cues.
+    max_size : float, optional
+        What was used least recently is removed in the end until the rest takes no more, GB.
+    """
+
+    def __init__(self, folder: Path, registry: Registry, max_size: float | None = None) -> None:
+        if max_size is not None and not max_size >= 0:
+            raise UsageError(f"cache.max_size must be 0 GB or more, or null, got {max_size}")
+        self.folder = folder
+        self.registry = registry
+        self.max_size = max_size
+        self._keys = _Keys(registry)
+        self._names: dict[str, str] = {}
+        self._shards: dict[Path, Shard] = {}
+        self._about: dict[Path, Mapping[str, Any]] = {}
+        self._writable = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        for folder in list(self._shards):
+            self._save(folder)
+        self._shards.clear()
+        if self.max_size is not None and self._writable:
+            cache_folder.trim(self.folder, self.max_size * _GIGA)
+
+    # ------------------------------------------------------------------ what Extraction promises
+
+    def following(self, source: Source) -> Source:  # noqa: D102
+        cached = CachedLog(source)
+        self._names[cached.digest()] = source.name
+        return cached
+
+    def features(self, cue: Cue, observation: Observation) -> Features:  # noqa: D102
+        entry = self._kept(cue, observation)
+        if entry is not None:
+            return entry.get()
+        observation.require(cue.requires)
+        try:
+            features = cue.features(observation)
+        except UnusableObservation as error:
+            self._keep(cue, observation, None, str(error))
+            raise
+        self._keep(cue, observation, features)
+        return features
+
+    def transform(self, cue: Cue, observations: Iterable[Observation]) -> FeatureBatch:  # noqa: D102
+        if not isinstance(observations, Sequence):  # perhaps too many to hold
+            return stack([self.features(cue, each) for each in observations])
+        entries = [self._kept(cue, each) for each in observations]
+        missing = [each for each, entry in zip(observations, entries, strict=True) if entry is None]
+        if not missing:
+            return stack([entry.get() for entry in entries if entry is not None])
+        if len(missing) == 1:  # which is then known to be the one that is unusable
+            return stack([self.features(cue, each) for each in observations])
+        batch = cue.transform(missing)
+        fresh = iter(range(len(missing)))
+        found = []
+        for observation, entry in zip(observations, entries, strict=True):
+            features = single(batch, next(fresh)) if entry is None else entry.get()
+            if entry is None:
+                self._keep(cue, observation, features)
+            found.append(features)
+        return stack(found)
+
+    def fit(  # noqa: D102
+        self,
+        cue: AnyCue,
+        observations: Iterable[Observation],
+        labels: Any,
+        origins: Sequence[Origin | None],
+    ) -> AnyCue:
+        if any(origin is None for origin in origins):
+            return cue.fit(observations, labels)
+        seen = _digest([list(map(list, filter(None, origins))), np.asarray(labels).tolist()])
+        about = {**self._keys.about(cue), "log": f"{len(origins)} samples", "seen": seen}
+        folder = self.folder / LEARNED / f"{about['cue']}-{_digest(about)}"
+        if self._restored(cue, folder / "state.npz"):
+            cache_folder.touch(folder)
+            return cue
+        cue.fit(observations, labels)
+        self._store(cue, folder, about)
+        return cue
+
+    # ------------------------------------------------------------------ one observation
+
+    def _kept(self, cue: Cue, observation: Observation) -> Entry | None:
+        if observation.origin is None:
+            return None
+        entry = self._shard(cue, observation.origin).entries.get(observation.origin.number)
+        return entry if entry is not None and entry.stamp == observation.stamp else None
+
+    def _keep(
+        self, cue: Cue, observation: Observation, features: Features | None, reason: str = ""
+    ) -> None:
+        if observation.origin is not None:
+            entry = Entry(observation.stamp, features, reason)
+            self._shard(cue, observation.origin).keep(observation.origin.number, entry)
+
+    def _shard(self, cue: Cue, origin: Origin) -> Shard:
+        """Return the file that an observation belongs to; of each log and cue one is open."""
+        name, key = self._keys(cue, origin.altered)
+        folder = self.folder / origin.log[:24] / f"{name}-{key}"
+        path = folder / f"{origin.number // shard.SIZE:06d}.npz"
+        current = self._shards.get(folder)
+        if current is not None and current.path == path:
+            return current
+        if current is None:
+            about = {**self._keys.about(cue), "altered": origin.altered}
+            self._about[folder] = {**about, "log": self._names.get(origin.log, "")}
+            cache_folder.touch(folder)
+        self._save(folder)
+        self._shards[folder] = Shard(path)
+        return self._shards[folder]
+
+    # ------------------------------------------------------------------ writing
+
+    def _save(self, folder: Path) -> None:
+        current = self._shards.get(folder)
+        if current is None or not current.changed or not self._writable:
+            return
+        try:
+            cache_folder.describe(folder, self._about[folder])
+            current.save()
+        except PlacecueError as error:
+            self._give_up(error)
+
+    def _store(self, cue: Cue, folder: Path, about: Mapping[str, Any]) -> None:
+        encoder = Encoder(self.registry)
+        try:
+            state = json.dumps(encoder.state(cue, about["cue"]))
+        except UsageError:
+            return  # learned something that cannot be kept
+        try:
+            cache_folder.describe(folder, about)
+            with replacing(folder / "state.npz") as temporary, temporary.open("wb") as file:
+                np.savez(file, allow_pickle=False, state=np.array(state), **encoder.arrays)
+        except PlacecueError as error:
+            self._give_up(error)
+
+    def _restored(self, cue: Cue, path: Path) -> bool:
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = dict(file)
+            state = json.loads(str(arrays.pop("state")))
+            Decoder(self.registry, arrays).restore(cue, state)
+        except (*DAMAGE, AttributeError, PlacecueError):
+            return False
+        return True
+
+    def _give_up(self, error: PlacecueError) -> None:
+        if self._writable:
+            self._writable = False
+            reason = error.__cause__ or error
+            log.warning(
+                f"the feature cache {self.folder} cannot be written ({reason}): features are not "
+                "kept; choose another place with cache.folder=PATH, or none with cache.folder=null"
+            )
+
+
+class _Keys:
+    """Names and keys of cues, worked out once for as long as a cue stays as it is."""
+
+    def __init__(self, registry: Registry) -> None:
+        self.registry = registry
+        self._known: dict[tuple[int, str], tuple[Cue, dict[str, Any], tuple[str, str]]] = {}
+
+    def __call__(self, cue: Cue, altered: str) -> tuple[str, str]:
+        """Return the name of a cue, and a digest of all that its features depend on."""
+        known = self._known.get((id(cue), altered))
+        if known is not None and known[0] is cue and _same(known[1], vars(cue)):
+            return known[2]
+        about = {**self.about(cue), "altered": altered, "learned": joblib.hash(learned(cue))}
+        found = (about["cue"], _digest(about))
+        self._known[id(cue), altered] = (cue, dict(vars(cue)), found)
+        return found
+
+    def about(self, cue: Cue) -> dict[str, Any]:
+        """Return what a cue is, as plain data."""
+        provided = self.registry.find(cue)
+        kind = type(cue)
+        parameters = json.loads(_json(cue.get_params(deep=False)))
+        usual = {name: each.default for name, each in signature(kind).parameters.items()}
+        usual = json.loads(_json(usual))
+        return {
+            "cue": kind.__name__ if provided is None else provided.component.name,
+            "class": f"{kind.__module__}.{kind.__qualname__}",
+            "version": cue.version,
+            "parameters": parameters,
+            "changed": {n: value for n, value in parameters.items() if value != usual.get(n)},
+        }
+
+
+def _same(before: Mapping[str, Any], now: Mapping[str, Any]) -> bool:
+    return before.keys() == now.keys() and all(now[name] is before[name] for name in before)
+
+
+def _digest(data: Any) -> str:
+    return hashlib.sha256(_json(data).encode()).hexdigest()[:16]
+
+
+def _json(data: Any) -> str:
+    return json.dumps(data, sort_keys=True, default=joblib.hash)

@@ -1,0 +1,134 @@
+"""Features of some dozens of neighbouring observations by one cue, in one file."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from placecue.errors import UnusableObservation
+from placecue.features import Features, single, stack
+from placecue.storage.arrays import from_parts, parts_of
+from placecue.storage.atomic import replacing
+
+#: Observations to a file: few enough that a killed run loses a second or so of work.
+SIZE = 64
+#: What reading a file may raise that is cut, damaged or no such file.
+DAMAGE = (OSError, EOFError, ValueError, KeyError, TypeError, IndexError, BadZipFile, zlib.error)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What is known of one observation.
+
+    Parameters
+    ----------
+    stamp : int
+        Its time, ns, which tells that it is the same one.
+    features : ndarray or csr_array, or None
+        None where it was unusable.
+    reason : str
+        Why it was unusable.
+    """
+
+    stamp: int
+    features: Features | None
+    reason: str = ""
+
+    def get(self) -> Features:
+        """Return the features.
+
+        Raises
+        ------
+        UnusableObservation
+            If there are none.
+        """
+        if self.features is None:
+            raise UnusableObservation(self.reason)
+        return self.features
+
+
+class Shard:
+    """Entries by number of observation, on disk and in memory.
+
+    Parameters
+    ----------
+    path : Path
+        The file; one that is not there or damaged counts as empty.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.entries = _read(path)
+        self.changed = False
+
+    def keep(self, number: int, entry: Entry) -> None:
+        """Add an entry."""
+        self.entries[number] = entry
+        self.changed = True
+
+    def save(self) -> None:
+        """Write what is new, whole or not at all; what another process has written stays.
+
+        Raises
+        ------
+        PlacecueError
+            If it cannot be written.
+        """
+        if not self.changed:
+            return
+        entries = dict(sorted((_read(self.path) | self.entries).items()))
+        usable = {n: e.features for n, e in entries.items() if e.features is not None}
+        arrays = {
+            "numbers": np.array(list(entries), np.int64),
+            "stamps": np.array([each.stamp for each in entries.values()], np.int64),
+            "usable": np.array([each.features is not None for each in entries.values()]),
+            "reasons": np.array([each.reason for each in entries.values()], np.str_),
+        }
+        what: dict[str, Any] = {}
+        if usable:
+            taken_apart = parts_of(stack(list(usable.values())))
+            if taken_apart is None:
+                return  # features of a kind that cannot be kept
+            what, parts = taken_apart
+            arrays |= {f"features.{name}": array for name, array in parts.items()}
+        with replacing(self.path) as temporary, temporary.open("wb") as file:
+            np.savez(file, allow_pickle=False, what=np.array(json.dumps(what)), **arrays)
+        self.changed = False
+
+
+def count(path: Path) -> int:
+    """Return the number of entries in a file."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            return len(arrays["numbers"])
+    except DAMAGE:
+        return 0
+
+
+def _read(path: Path) -> dict[int, Entry]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = dict(file)
+        what = json.loads(str(arrays["what"]))
+        parts = {k.removeprefix("features."): v for k, v in arrays.items() if "features." in k}
+        batch = from_parts(what, parts) if what else None
+        entries, row = {}, 0
+        for number, stamp, usable, reason in zip(
+            *(arrays[name].tolist() for name in ("numbers", "stamps", "usable", "reasons")),
+            strict=True,
+        ):
+            features = None
+            if usable:
+                assert batch is not None
+                features = single(batch, row)
+                row += 1
+            entries[number] = Entry(stamp, features, reason)
+        return entries
+    except DAMAGE:
+        return {}

@@ -1,0 +1,102 @@
+"""``placecue cache``, and commands that run over the same log again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from command_line import placecue, succeeds
+from placecue_cues.crfh import CRFH
+from placecue_cues.laser import LaserGeometry
+
+TRAIN = ["cue=[crfh,laser]", "integrator=svm_das"]
+
+
+def broken(self: object, *_: object) -> None:
+    raise AssertionError("extracted again")
+
+
+@pytest.fixture
+def trained(log_a: Path, log_b: Path, tmp_path: Path) -> Path:
+    """A folder where one log was trained on and another classified, with a cache of its own."""
+    succeeds("train", *TRAIN, f"log={log_a}", "out=model", "cache.folder=kept")
+    succeeds("classify", "model=model", f"log={log_b}", "out=first", "cache.folder=kept")
+    return tmp_path
+
+
+def test_a_second_run_extracts_nothing_and_says_the_same(
+    trained: Path, log_a: Path, log_b: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for cue in (CRFH, LaserGeometry):
+        monkeypatch.setattr(cue, "extract", broken)
+    monkeypatch.setattr(LaserGeometry, "transform", broken)
+    kept = "cache.folder=kept"
+    succeeds("train", *TRAIN, f"log={log_a}", "out=again", kept)
+    succeeds("classify", "model=again", f"log={log_b}", "out=second", kept)
+    succeeds("label", "model=again", f"log={log_b}", "out=third", kept)
+    first, second = (Path(name, "beliefs.csv").read_bytes() for name in ("first", "second"))
+    assert first == second
+
+
+def test_shows_what_is_kept(trained: Path, log_a: Path) -> None:
+    more = ["cue=laser", "integrator=none", "cues.laser.scales=[0.8,1]"]
+    succeeds("train", *more, f"log={log_a}", "out=scaled", "cache.folder=kept")
+    shown = succeeds("cache", "cache.folder=kept").out.splitlines()
+    rows = [line.split() for line in shown]
+    assert rows[0] == ["log", "cue", "samples", "MB", "last", "used", "parameters"]
+    assert {tuple(row[:3]) for row in rows[1:-1] if row[2] == "1"} >= {
+        ("a.mcap", "crfh", "1"),
+        ("b.mcap", "crfh", "1"),
+        ("a.mcap", "laser", "1"),
+        ("b.mcap", "laser", "1"),
+    }
+    assert sum("scaled by 0.8" in line and "scales=[0.8, 1]" in line for line in shown) == 1
+    assert sum("96" in row for row in rows) == len(rows) - 2
+    assert shown[-1].startswith("kept: ")
+
+
+def test_trims_on_request(trained: Path) -> None:
+    told = succeeds("cache", "cache.folder=kept", "unused_days=1").out.splitlines()
+    assert told[0] == "removed 0.0 MB"
+    assert len(told) == 7
+    told = succeeds("cache", "cache.folder=kept", "trim_to=0").out.splitlines()
+    assert told[0].startswith("removed ")
+    assert told[1] == "kept: 0.0 MB"
+    assert not list(Path("kept").rglob("*.npz"))
+
+
+def test_the_default_place_is_the_user_s_and_null_is_none(
+    log_a: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("PLACECUE_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    laser = ["cue=laser", "integrator=none", f"log={log_a}"]
+    succeeds("train", *laser, "out=model", "cache.folder=null")
+    assert not (tmp_path / "xdg").exists()
+    succeeds("train", *laser, "out=model")
+    assert list((tmp_path / "xdg" / "placecue").rglob("*.npz"))
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    told = succeeds("cache")
+    assert told.out == f"{tmp_path}/home/.cache/placecue: 0.0 MB\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["trim_to=-1"], "trim_to must be a number of at least 0, or null, got -1"),
+        (["unused_days=soon"], "unused_days must be a number of at least 0, or null, got 'soon'"),
+        (["cache.folder=null"], "there is no cache to look at: give cache.folder=PATH"),
+        (["cache.folder=[a]"], "cache.folder must be a path or null, got ['a']"),
+    ],
+)
+def test_refused(words: list[str], said: str) -> None:
+    told = placecue("cache", *words)
+    assert told.status == 2
+    assert said in told.line
+
+
+def test_a_size_that_cannot_be(log_a: Path) -> None:
+    told = placecue("train", "cue=laser", "integrator=none", f"log={log_a}", "cache.max_size=-1")
+    assert (told.status, told.line) == (2, "cache.max_size must be 0 GB or more, or null, got -1")

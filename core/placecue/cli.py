@@ -44,12 +44,18 @@ eval "$(placecue -sc install=bash)"           tab completion (or fish)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line; exits with 0, 1 (data) or 2 (usage)."""
+    """Run the command line; exits with 0, 1 (data), 2 (usage) or 141 (nobody reads on)."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if "--no-plugins" in words:
         words = [word for word in words if word != "--no-plugins"]
         os.environ["PLACECUE_NO_PLUGINS"] = "1"
-    sys.exit(run(words))
+    try:
+        status = run(words)
+        sys.stdout.flush()
+    except BrokenPipeError:  # such as "placecue --help | head"
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 141
+    sys.exit(status)
 
 
 def run(words: list[str]) -> int:
@@ -75,6 +81,8 @@ def run(words: list[str]) -> int:
         return run_command(command, overrides)
     except PlacecueError as error:
         return _failed(words, str(error), error.exit_status)
+    except BrokenPipeError:
+        raise
     except KeyboardInterrupt:
         return _failed(words, "interrupted", 130)
     except Exception as error:

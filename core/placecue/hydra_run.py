@@ -61,7 +61,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     sys.argv = ["placecue", *overrides]
     try:
         return _enter(Task(command))
-    except PlacecueError:
+    except (PlacecueError, BrokenPipeError):
         raise
     except Exception as error:
         known = _in_one_line(command, overrides, error)

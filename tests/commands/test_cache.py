@@ -44,7 +44,7 @@ def test_shows_what_is_kept(trained: Path, log_a: Path) -> None:
     succeeds("train", *more, f"log={log_a}", "out=scaled", "cache.folder=kept")
     shown = succeeds("cache", "cache.folder=kept").out.splitlines()
     rows = [line.split() for line in shown]
-    assert rows[0] == ["log", "cue", "samples", "MB", "last", "used", "parameters"]
+    assert rows[0] == ["log", "cue,", "version", "samples", "MB", "last", "used", "parameters"]
     assert {tuple(row[:3]) for row in rows[1:-1] if row[2] == "1"} >= {
         ("a.mcap", "crfh", "1"),
         ("b.mcap", "crfh", "1"),

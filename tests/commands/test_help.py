@@ -1,11 +1,13 @@
 """What commands say about themselves, without doing anything."""
 
+import os
+import subprocess
 from pathlib import Path
 
 import pytest
 import yaml
 
-from command_line import placecue, script, succeeds
+from command_line import SCRIPT, placecue, script, succeeds
 from placecue import __version__
 from placecue.cli import COMMANDS
 
@@ -23,6 +25,16 @@ def test_help_names_every_command(words: list[str]) -> None:
     for command, summary in COMMANDS.items():
         assert f"  {command}" in told.out
         assert summary in told.out
+
+
+@pytest.mark.parametrize("words", [["--help"], ["plugins"], ["train", "--help"]])
+def test_nobody_reads_on(words: list[str]) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run([SCRIPT, *words], stdout=write, stderr=subprocess.PIPE, check=False)
+    os.close(write)
+    assert done.returncode != 0
+    assert done.stderr == b""
 
 
 def test_version() -> None:

@@ -26,7 +26,9 @@ def run(config: dict[str, Any]) -> None:
         print(f"removed {removed / _MEGA:.1f} MB")
     kept = contents(folder)
     if kept:
-        show.table(["log", "cue", "samples", "MB", "last used", "parameters"], map(_row, kept))
+        show.table(
+            ["log", "cue, version", "samples", "MB", "last used", "parameters"], map(_row, kept)
+        )
     total = sum(each.size for each in kept)
     print(f"{folder}: {total / _MEGA:.1f} MB")
 

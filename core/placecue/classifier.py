@@ -154,8 +154,18 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         if usual and features.shape[1:] == (getattr(self, "n_features_in_", -1),):
             return self._some_and_finite(features)
         if kind_of(features) is not FeatureKind.DESCRIPTORS:
+            self._check_width(features)
             features = self._validated(features, reset=False)
         return self._some_and_finite(features)
+
+    def _check_width(self, features: FeatureBatch) -> None:
+        width, known = getattr(features, "shape", ())[1:], getattr(self, "n_features_in_", None)
+        if width and known is not None and width[0] != known:
+            raise UnfitSamples(
+                f"X has {width[0]} features, but {type(self).__name__} is expecting {known} "
+                "features as input, as in training: the cue must have the same parameters, and "
+                "for some cues an image of another size has other features"
+            )
 
     def _validated(self, features: FeatureBatch, **options: Any) -> FeatureBatch:
         if sparse.issparse(features):

@@ -63,7 +63,8 @@ class Cue(BaseEstimator, ABC):  # type: ignore[misc]
     def alterations(self) -> Sequence[Alteration]:
         """Return what training does to each observation to get further samples of its class.
 
-        Held-out samples, and those that are asked about, are never altered. The default is none.
+        What is asked about, and what the integrator learns on, is never altered; in the folds of a
+        parameter search copies stay with their sample. The default is none.
         """
         return ()
 

@@ -125,7 +125,7 @@ class InterleavedChunks(FoldScheme):
                 fold[row] = chunk
             # A class of a single chunk is cut into n_folds pieces instead, to be scored at all.
             if chunk + 1 < 2:
-                fold[rows] = np.arange(len(rows)) * self.n_folds // len(rows)
+                fold[rows] = _fractions(times[rows], self.n_folds)
         return fold % self.n_folds
 
 
@@ -137,10 +137,11 @@ class Blocks(FoldScheme):
         self, labels: ArrayLike, stamps: ArrayLike | None = None
     ) -> NDArray[np.int64]:
         labels = np.asarray(labels)
+        times = _times(len(labels), stamps)
         fold = np.empty(len(labels), dtype=np.int64)
         for name in np.unique(labels):
             rows = np.flatnonzero(labels == name)
-            fold[rows] = np.arange(len(rows)) * self.n_folds // len(rows)
+            fold[rows] = _fractions(times[rows], self.n_folds)
         return fold
 
 
@@ -165,11 +166,16 @@ class Shuffled(FoldScheme):
         self, labels: ArrayLike, stamps: ArrayLike | None = None
     ) -> NDArray[np.int64]:
         labels = np.asarray(labels)
+        times = _times(len(labels), stamps)
         generator = np.random.default_rng(self.seed)
         fold = np.empty(len(labels), dtype=np.int64)
         for name in np.unique(labels):
             rows = np.flatnonzero(labels == name)
-            fold[generator.permutation(rows)] = np.arange(len(rows)) % self.n_folds
+            moments = _moments(times[rows])
+            count = moments[-1] + 1
+            dealt = np.empty(count, dtype=np.int64)
+            dealt[generator.permutation(count)] = np.arange(count) % self.n_folds
+            fold[rows] = dealt[moments]
         return fold
 
 
@@ -221,6 +227,7 @@ class ByLog(FoldScheme):
         return np.asarray(log % self.n_folds)
 
 
+#: The schemes by name. A plugin that brings another one adds it here when it is loaded.
 FOLD_SCHEMES: dict[str, type[FoldScheme]] = {
     "interleaved": InterleavedChunks,
     "blocks": Blocks,
@@ -258,6 +265,19 @@ def fold_scheme(config: Mapping[str, Any] | None) -> FoldScheme:
         return scheme(**parameters)
     except TypeError as error:
         raise UsageError(f"fold scheme '{name}' refused its parameters: {error}") from error
+
+
+def _moments(times: NDArray[np.int64]) -> Rows:
+    """Return the number of each sample's moment, 0, 1 ...; altered copies of one follow it."""
+    moments = np.cumsum(np.diff(times, prepend=times[:1]) != 0)
+    # Without any time between them the samples can only be told apart by their order.
+    return moments if moments[-1] else np.arange(len(times))
+
+
+def _fractions(times: NDArray[np.int64], n_folds: int) -> Rows:
+    """Return the fold of each sample of a class where every fold is a contiguous fraction."""
+    moments = _moments(times)
+    return np.asarray(moments * n_folds // (moments[-1] + 1))
 
 
 def _times(n: int, stamps: ArrayLike | None) -> NDArray[np.int64]:

@@ -21,7 +21,26 @@ CANNOT_APPLY_TO = {
     },
 }
 
+#: By a parameter of a classifier and its value, and name of the check.
+CANNOT_APPLY_WITH = {
+    ("multiclass", "modified_oaa"): {
+        "check_class_weight_classifiers": (
+            "the class is that whose training mean the output lies nearest, and that mean moves "
+            "along with the weight"
+        ),
+    },
+    ("probability", "isotonic"): {
+        "check_class_weight_classifiers": (
+            "calibration undoes class weights: probabilities are those of the samples as they came"
+        ),
+    },
+}
+
 
 def cannot_apply(classifier: Any) -> dict[str, str]:
     """Return the checks that cannot apply to a classifier, each with the reason."""
-    return CANNOT_APPLY | CANNOT_APPLY_TO.get(type(classifier).__name__, {})
+    found = CANNOT_APPLY | CANNOT_APPLY_TO.get(type(classifier).__name__, {})
+    for (name, value), checks in CANNOT_APPLY_WITH.items():
+        if getattr(classifier, name, None) == value:
+            found |= checks
+    return found

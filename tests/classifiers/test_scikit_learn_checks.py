@@ -8,13 +8,21 @@ from classifiers.checks import cannot_apply
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM
+from placecue_kernels.hi import HistogramIntersection
+from placecue_kernels.linear import Linear
 from placecue_kernels.rbf import RBF
 
 CLASSIFIERS = [
     SVM(kernel=RBF(gamma=0.5)),
     SVM(kernel=RBF(gamma=0.5), multiclass="oao"),
+    SVM(kernel=RBF(gamma=0.5), multiclass="modified_oaa"),
+    SVM(kernel=RBF(gamma=0.5), multiclass="oao", probability="isotonic"),
+    SVM(kernel=RBF(), search={"C": [1, 100], "gamma": [0.1, 0.5]}, scaling="standard"),
+    SVM(kernel=HistogramIntersection()),
+    SVM(kernel=Linear()),
     AdaBoost(rounds=20),
     AdaBoost(rounds=20, output="probability"),
+    AdaBoost(rounds=20, criterion="gini"),
     ScikitLearn("sklearn.naive_bayes.GaussianNB"),
     ScikitLearn("sklearn.linear_model.RidgeClassifier"),
 ]

@@ -9,7 +9,7 @@ from sklearn.metrics import balanced_accuracy_score
 from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
-from placecue import DataError, OneAgainstOne, UsageError
+from placecue import DataError, OneAgainstOne, UsageError, progress
 from placecue.evaluation.search_figure import draw_search, search_rows, search_table
 from placecue.folds import Blocks
 from placecue_classifiers.svm import SVM
@@ -86,11 +86,42 @@ def test_distances_are_computed_once_for_each_parameter_that_changes_them(seen: 
     assert svm.kernel_.gamma == svm.chosen_["gamma"]
 
 
+def test_a_kernel_without_gamma_is_computed_once(seen: Blobs) -> None:
+    made = []
+
+    class Counted(Linear):
+        def gram(self, a, b=None):  # type: ignore[no-untyped-def]
+            made.append(1)
+            return super().gram(a, b)
+
+    tried = {"C": [0.01, 0.1, 1.0], "multiclass": ["oaa", "oao"]}
+    svm = SVM(Counted(), search=tried, probability="isotonic", scaling="standard").fit(*seen)
+    assert len(made) == 1
+    svm.scores(seen[0])
+    assert len(made) == 2
+
+
 def test_a_kernel_without_gamma_is_searched_for_its_other_parameters(seen: Blobs) -> None:
     svm = SVM(Linear(), search={"C": [0.01, 1.0]}, scaling="standard").fit(*seen)
     assert list(svm.search_) == ["C", "balanced_accuracy"]
     with pytest.raises(UsageError, match="cannot vary 'kernel__power'"):
         SVM(Linear(), search={"kernel__power": [2]}).fit(*seen)
+
+
+def test_progress_is_told_of(seen: Blobs) -> None:
+    told: list[tuple[str, int]] = []
+
+    def report(items, what, total):  # type: ignore[no-untyped-def]
+        told.append((what, len(items)))
+        return items
+
+    token = progress._reporter.set(report)
+    try:
+        tried = {"C": [1, 100], "gamma": [0.001, 0.01, 0.1], "scaling": ["range", None]}
+        SVM(RBF(), search=tried, probability="isotonic").fit(*seen)
+    finally:
+        progress._reporter.reset(token)
+    assert told == [("searching parameters", 6), ("calibrating", 5)]
 
 
 def test_threads_find_the_same(seen: Blobs) -> None:
@@ -113,6 +144,29 @@ def test_parameters_are_picked_on_the_second_sequence(seen: Blobs, unseen: Blobs
         peer = OneVsRestClassifier(SVC(gamma=0.01, C=cost, class_weight="balanced")).fit(*seen)
         expected = balanced_accuracy_score(unseen[1], peer.predict(unseen[0]))
         assert accuracy == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("multiclass", ["oaa", "oao", "modified_oaa"])
+def test_trained_on_the_first_sequence_picked_on_the_second(
+    seen: Blobs, unseen: Blobs, multiclass: str
+) -> None:
+    features = np.concatenate([seen[0], unseen[0]])
+    labels = np.concatenate([seen[1], unseen[1]])
+    first, second = np.arange(len(seen[1])), np.arange(len(unseen[1]))
+    stamps = np.concatenate([first, second + 7200]) * SECOND
+    tried = {"C": [0.1, 1.0, 10.0], "gamma": [0.001, 0.01]}
+    both = {"multiclass": multiclass, "folds": {"scheme": "by_log", "only_last": True}}
+    svm = SVM(RBF(), search=tried, refit=False, **both).fit(features, labels, stamps)
+    alone = SVM(RBF(svm.kernel_.gamma), C=svm.C_, multiclass=multiclass).fit(*seen)
+    assert svm.scores(unseen[0]).values == pytest.approx(alone.scores(unseen[0]).values, abs=1e-9)
+    assert len(svm.support_features_) <= len(seen[1])
+    reached = balanced_accuracy_score(unseen[1], alone.predict(unseen[0]))
+    assert reached == pytest.approx(max(svm.search_["balanced_accuracy"]))
+    # With refit the second sequence is learned from too.
+    refitted = SVM(RBF(), search=tried, **both).fit(features, labels, stamps)
+    assert len(refitted.support_features_) > len(svm.support_features_)
+    again = svm.chosen()
+    assert (again.search, again.refit, again.C) == (None, True, svm.C_)
 
 
 def test_one_against_one_of_two_classes_keeps_its_sign(seen: Blobs) -> None:

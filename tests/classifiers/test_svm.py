@@ -9,9 +9,17 @@ from sklearn.model_selection import GridSearchCV
 from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
-from placecue import DataError, InterleavedChunks, OneAgainstAll, OneAgainstOne, UsageError
+from placecue import (
+    DataError,
+    InterleavedChunks,
+    Kernel,
+    OneAgainstAll,
+    OneAgainstOne,
+    UsageError,
+)
 from placecue_classifiers.machines import one_against_all, one_against_one
 from placecue_classifiers.svm import SVM
+from placecue_kernels.hi import HistogramIntersection
 from placecue_kernels.linear import Linear
 from placecue_kernels.rbf import RBF
 
@@ -45,6 +53,21 @@ def test_one_against_one_equals_scikit_learn(blobs: tuple[np.ndarray, np.ndarray
     assert svm.scores(features).values == pytest.approx(expected, abs=5e-3)
     assert isinstance(svm.layout_, OneAgainstOne)
     assert svm.scores(features).values.shape[1] == 10
+
+
+@pytest.mark.parametrize("kernel", [RBF(0.02), Linear(), HistogramIntersection()], ids=str)
+def test_decisions_equal_scikit_learn_s_on_the_same_gram_matrix(
+    blobs: tuple[np.ndarray, np.ndarray], kernel: Kernel
+) -> None:
+    features, codes = blobs
+    gram = kernel.fit(features).gram(features)
+    peer = SVC(kernel="precomputed", C=10.0, class_weight="balanced")
+    rest = OneVsRestClassifier(peer).fit(gram, codes)
+    pairs = clone(peer).set_params(decision_function_shape="ovo").fit(gram, codes)
+    for multiclass, each in (("oaa", rest), ("oao", pairs)):
+        svm = SVM(kernel=kernel, C=10.0, multiclass=multiclass).fit(features, NAMES[codes])
+        expected = each.decision_function(gram)
+        assert svm.scores(features).values == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
 def test_modified_one_against_all_has_the_training_means(
@@ -153,7 +176,9 @@ def test_scaling_is_learned_in_training(blobs: tuple[np.ndarray, np.ndarray], sc
         ({"search": {"C": [0]}}, "values above 0"),
         ({"search": {"gamma": [1], "kernel__gamma": [1]}}, "are the same"),
         ({"search": {"multiclass": ["oab"]}}, "unknown multiclass 'oab'"),
-        ({"kernel": Linear(), "search": {"gamma": [1]}}, "cannot vary 'gamma'"),
+        ({"kernel": Linear(), "search": {"gamma": [1]}}, "cannot vary 'gamma'.*~...search.gamma"),
+        ({"search": {"C": [1]}, "refit": False}, "hold out samples once, and these do 5 times"),
+        ({"refit": False}, "give search, or refit=true"),
     ],
 )
 def test_wrong_parameters_are_named(

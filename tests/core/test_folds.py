@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from placecue import Blocks, DataError, InterleavedChunks, UsageError
-from placecue.folds import ByLog, Shuffled, fold_scheme
+from placecue.composition import build_folds
+from placecue.folds import FOLD_SCHEMES, ByLog, FoldScheme, Shuffled, fold_scheme
 
 SECOND = 1_000_000_000
 
@@ -99,6 +100,39 @@ def test_folds_that_hold_nothing_out_are_an_error() -> None:
     stamps = np.arange(20) * SECOND // 5 + np.repeat([0, 100, 200, 300], 5) * SECOND
     with pytest.raises(DataError, match="none of the 20 samples can be held out"):
         list(ByLog().split(labels, stamps))
+
+
+@pytest.mark.parametrize("scheme", [InterleavedChunks(seconds=1.0), Blocks(), Shuffled()])
+def test_copies_of_one_moment_are_not_parted(scheme: FoldScheme) -> None:
+    labels = np.repeat(["a", "b", "c", "d"], [33, 21, 9, 60])  # every moment three times
+    stamps = np.repeat(np.arange(41), 3) * SECOND
+    fold = scheme.assign(labels, stamps).reshape(41, 3)
+    assert (fold == fold[:, :1]).all()
+    assert set(fold[:11, 0]) == set(range(5))
+    once = scheme.assign(labels[::3], stamps[::3])
+    assert (fold[:, 0] == once).all()
+
+
+def test_samples_without_time_between_them_are_still_cut() -> None:
+    labels = np.repeat(["a", "b", "c", "d"], 10)
+    for scheme in (Blocks(), Shuffled()):
+        fold = scheme.assign(labels, np.zeros(40, dtype=np.int64))
+        assert np.bincount(fold).tolist() == [8] * 5
+
+
+def test_a_plugin_brings_a_scheme(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Alternating(FoldScheme):
+        def assign(self, labels, stamps=None):  # type: ignore[no-untyped-def]
+            return np.arange(len(labels)) % self.n_folds
+
+    monkeypatch.setitem(FOLD_SCHEMES, "alternating", Alternating)
+    labels = np.repeat(["a", "b", "c", "d"], 4)
+    for scheme in (
+        fold_scheme({"scheme": "alternating", "n_folds": 2}),
+        build_folds({"scheme": "alternating", "n_folds": 2}),
+    ):
+        held_out = [each.tolist() for _, each in scheme.split(labels)]
+        assert held_out == [list(range(0, 16, 2)), list(range(1, 16, 2))]
 
 
 def test_a_scheme_by_name() -> None:

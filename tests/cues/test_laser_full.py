@@ -193,6 +193,23 @@ def test_number_of_beams_does_not_matter(count: int, half_turns: float) -> None:
         assert a[name] == pytest.approx(b[name], rel=0.01, abs=2e-3), name
 
 
+@pytest.mark.parametrize("degrees", [57, 120, 180, 270, 360])
+def test_number_of_beams_does_not_matter_in_a_room_with_corners(degrees: int) -> None:
+    room = walls((-0.5, -0.5), (3.5, -0.5), (3.5, 1.2), (1, 1.2), (1, 4), (-0.5, 4))
+
+    def view(step: float) -> np.ndarray:
+        count = round(degrees / step)
+        if degrees == 360:
+            return around(count)
+        return np.radians(np.linspace(-degrees / 2, degrees / 2, count + 1))
+
+    fine = features(room, view(0.125))
+    for step in (0.25, 0.5, 1.0):
+        coarse = features(room, view(step))
+        for name in NAMES:
+            assert coarse[name] == pytest.approx(fine[name], rel=0.03, abs=0.01), (name, step)
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.3, 3.0), st.integers(0, 10**6))
 def test_scaling_goes_with_the_units(scale: float, seed: int) -> None:

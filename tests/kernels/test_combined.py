@@ -72,6 +72,23 @@ def test_mistakes(kernel: Combined, message: str) -> None:
         kernel.gram(histograms(3, 0))
 
 
+def test_a_search_varies_the_weights_and_the_parameters_inside() -> None:
+    x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
+    x[np.arange(40), np.repeat(range(4), 10)] += 0.1
+    gammas, weights = [0.1, 5.0], [[1, 1], [1, 0]]
+    tried = {"kernel__kernels__0__gamma": gammas, "kernel__weights": weights}
+    kernel = Sum([Chi2(), Linear()])
+    svm = SVM(kernel=kernel, search=tried).fit(x, labels)
+    assert svm.search_["kernel__kernels__0__gamma"] == [0.1, 0.1, 5.0, 5.0]
+    found = svm.chosen_["kernel__kernels__0__gamma"], svm.chosen_["kernel__weights"]
+    alone = SVM(kernel=Sum([Chi2(found[0]), Linear()], found[1])).fit(x, labels)
+    np.testing.assert_array_equal(svm.scores(x).values, alone.scores(x).values)
+    assert len(set(svm.search_["balanced_accuracy"])) > 1
+    assert kernel.kernels[0].gamma == Chi2().gamma
+    with pytest.raises(ValueError, match="Sum has no 'kernels__x'; did you mean 'kernels'"):
+        kernel.set_params(kernels__x=1)
+
+
 def test_descriptor_sets_can_be_summed_over() -> None:
     sets = DescriptorSets(np.eye(4, dtype=np.float32), np.array([0, 2, 4]))
     found = Sum([Match(1.0), Match(0.5)]).gram(sets)

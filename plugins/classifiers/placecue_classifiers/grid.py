@@ -46,7 +46,10 @@ class Grid:
         """
         for name, tried in values.items():
             if name not in known:
-                raise UsageError(f"search cannot vary '{name}'; {choices(name, known)}")
+                raise UsageError(
+                    f"search cannot vary '{name}' of this SVM and kernel; {choices(name, known)}; "
+                    f"take it out with ~...search.{name}"
+                )
             if isinstance(tried, str) or not isinstance(tried, Sequence) or not tried:
                 raise UsageError(f"search.{name} must be a list of values to try, got {tried!r}")
             if name in ("C", "gamma", "kernel__gamma") and not all(_positive(v) for v in tried):

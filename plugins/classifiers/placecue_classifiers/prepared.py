@@ -30,14 +30,15 @@ class Prepared:
         Of dense features, fitted.
     features : batch of n samples
         Scaled.
-    distances : object or None
-        The part of the kernel that gamma does not enter, where it has one.
+    shared : object
+        What its Gram matrices share: the part that gamma does not enter, or, of a kernel without
+        gamma, the Gram matrix.
     """
 
     kernel: Kernel
     scaling: Scaling | None
     features: FeatureBatch
-    distances: Any
+    shared: Any
 
     @classmethod
     def of(cls, features: FeatureBatch, kernel: Kernel, how: str | None) -> Prepared:
@@ -57,8 +58,9 @@ class Prepared:
         except UsageError as error:
             raise WrongKind(str(error)) from error
         kernel.fit(features)
-        distances = kernel.distances(features) if isinstance(kernel, DistanceKernel) else None
-        return cls(kernel, fitted, features, distances)
+        if isinstance(kernel, DistanceKernel):
+            return cls(kernel, fitted, features, kernel.distances(features))
+        return cls(kernel, fitted, features, kernel.gram(features))
 
     def gram(self, gamma: float | None = None) -> Gram:
         """Return the Gram matrix, shape (n, n), for another gamma than the kernel's if given.
@@ -76,9 +78,9 @@ class Prepared:
                     f"kernel {type(self.kernel).__name__} has no gamma to search: leave "
                     "search.gamma out"
                 )
-            return _finite(self.kernel.gram(self.features), self.kernel)
+            return _finite(self.shared, self.kernel)
         kernel = self.kernel if gamma is None else self.with_gamma(gamma)
-        return _finite(kernel.from_distances(self.distances), kernel)
+        return _finite(kernel.from_distances(self.shared), kernel)
 
     def with_gamma(self, gamma: float) -> Any:
         """Return a copy of the fitted kernel with another gamma."""
@@ -118,7 +120,7 @@ def fitted_scaling(features: FeatureBatch, how: str | None) -> Scaling | None:
     if how is None:
         return None
     if kind_of(features) is not FeatureKind.DENSE:
-        raise UsageError(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
+        raise WrongKind(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
     return scaling(how).fit(np.asarray(features))
 
 

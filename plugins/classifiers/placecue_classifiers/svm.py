@@ -11,7 +11,7 @@ from sklearn.base import clone
 
 from placecue.classifier import Classifier
 from placecue.errors import UsageError, choices
-from placecue.features import FeatureBatch, take
+from placecue.features import FeatureBatch, FeatureKind, take
 from placecue.folds import Rows, fold_scheme
 from placecue.kernel import DistanceKernel, Gram, Kernel
 from placecue.progress import track
@@ -63,6 +63,11 @@ class SVM(Classifier):
     probability : {"sigmoid", "isotonic"} or None
         Turn the outputs into probabilities, learned on held-out folds: Platt's sigmoid, or
         isotonic regression. The class then is the likeliest one.
+    refit : bool
+        After the search, train on all samples. If not, those that the one fold held out have
+        chosen the parameters and are left at that: with ``folds={"scheme": "by_log",
+        "only_last": True}`` the machines are trained on the logs before the last. Scaling and
+        kernel have seen all samples either way.
 
     Attributes
     ----------
@@ -101,9 +106,10 @@ class SVM(Classifier):
         multiclass: str = "oaa",
         class_weight: ClassWeight = "balanced",
         scaling: str | None = None,
-        search: Mapping[str, Sequence[float | str | bool | None]] | None = None,
+        search: Mapping[str, Sequence[float | str | bool | Sequence[float] | None]] | None = None,
         folds: Mapping[str, Any] | None = None,
         probability: str | None = None,
+        refit: bool = True,
     ) -> None:
         self.kernel = kernel
         self.C = C
@@ -113,6 +119,7 @@ class SVM(Classifier):
         self.search = search
         self.folds = folds
         self.probability = probability
+        self.refit = refit
 
     def fit(
         self, features: FeatureBatch, labels: ArrayLike, stamps: ArrayLike | None = None
@@ -131,9 +138,11 @@ class SVM(Classifier):
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)
         prepare = Preparations(lambda setting: self.with_setting(setting).prepared(features))
-        svm, setting = self, Setting()
+        svm, setting, rows = self, Setting(), np.arange(len(codes))
         if self.search:
-            self.search_ = self._search(prepare, codes, self._splits(labels, stamps))
+            splits = self._splits(codes, stamps)
+            rows = rows if self.refit else _one_training_part(splits)
+            self.search_ = self._search(prepare, codes, splits)
             self.chosen_ = setting = best_of(self.search_)
             svm = self.with_setting(setting)
         prepared = prepare(Grid.preparation(setting))
@@ -141,15 +150,16 @@ class SVM(Classifier):
         self.kernel_ = prepared.kernel if gamma is None else prepared.with_gamma(gamma)
         self.C_, self.scaling_ = float(svm.C), prepared.scaling
         gram = prepared.gram(gamma)
-        machines = svm.machines(gram, codes, self.class_names)
-        self.layout_ = svm.machine_layout(self.class_names, machines, gram, codes)
+        block = gram if self.refit else gram[np.ix_(rows, rows)]
+        machines = svm.machines(block, codes[rows], self.class_names)
+        self.layout_ = svm.machine_layout(self.class_names, machines, block, codes[rows])
         self.machine_layout_ = self.layout_
         if self.probability is not None:
-            splits = self._splits(labels, stamps)
+            splits = self._splits(codes, stamps)
             self.calibrators_ = svm.calibrated(gram, codes, self.class_names, splits)
             self.layout_ = Probabilities(self.class_names)
         support = np.flatnonzero(np.any(machines.coefficients != 0, axis=1))
-        self.support_features_ = take(prepared.features, support)
+        self.support_features_ = take(prepared.features, rows[support])
         self.coefficients_ = machines.coefficients[support]
         self.intercepts_ = machines.intercepts
         return self
@@ -170,7 +180,7 @@ class SVM(Classifier):
     def chosen(self) -> Self:
         """Return an unfitted copy with the parameters that the search found."""
         copy: Self = self.with_setting(getattr(self, "chosen_", {}))
-        copy.set_params(search=None)
+        copy.set_params(search=None, refit=True)
         return copy
 
     # ------------------------------------------------------------------ what the search needs
@@ -249,8 +259,11 @@ class SVM(Classifier):
             names.append("gamma")
         return names + [name for name in self.get_params() if name.startswith("kernel__")]
 
-    def _splits(self, labels: ArrayLike, stamps: ArrayLike | None) -> list[tuple[Rows, Rows]]:
-        return list(fold_scheme(self.folds).split(np.asarray(labels), stamps))
+    def _splits(
+        self, codes: NDArray[np.int64], stamps: ArrayLike | None
+    ) -> list[tuple[Rows, Rows]]:
+        names = np.asarray(self.class_names)
+        return list(fold_scheme(self.folds).split(names[codes], stamps))
 
     def _check_parameters(self) -> None:
         allowed = {
@@ -269,3 +282,22 @@ class SVM(Classifier):
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
         fold_scheme(self.folds)
+        if not (self.refit or self.search):
+            raise UsageError("refit=false keeps what a search held out: give search, or refit=true")
+
+    def __sklearn_tags__(self) -> Any:
+        """Return what scikit-learn is told of the estimator: whether it takes sparse input."""
+        tags = super().__sklearn_tags__()
+        accepted = self.kernel.accepts if self.kernel is not None else ()
+        tags.input_tags.sparse = FeatureKind.SPARSE in accepted and self.scaling is None
+        return tags
+
+
+def _one_training_part(splits: Sequence[tuple[Rows, Rows]]) -> Rows:
+    """Return the training rows of the only split."""
+    if len(splits) != 1:
+        raise UsageError(
+            f"refit=false needs folds that hold out samples once, and these do {len(splits)} "
+            "times: choose folds={scheme: by_log, only_last: true}"
+        )
+    return splits[0][0]

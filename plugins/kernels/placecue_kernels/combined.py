@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from sklearn.base import clone
 
-from placecue.errors import UsageError
+from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, FeatureKind
-from placecue.kernel import Gram, Kernel
+from placecue.kernel import DistanceKernel, Gram, Kernel
 
 
 class Combined(Kernel):
@@ -32,13 +32,48 @@ class Combined(Kernel):
         The kernels, fitted on training features.
     """
 
-    accepts: ClassVar[frozenset[FeatureKind]] = frozenset(FeatureKind)
-
     def __init__(
         self, kernels: Sequence[Kernel] = (), weights: Sequence[float] | None = None
     ) -> None:
         self.kernels = kernels
         self.weights = weights
+
+    @property
+    def accepts(self) -> frozenset[FeatureKind]:  # type: ignore[override]
+        """The kinds of features that every one of the kernels can take."""
+        return frozenset(FeatureKind).intersection(*(each.accepts for each in self.kernels))
+
+    @property
+    def positive_definite(self) -> bool:  # type: ignore[override]
+        """Whether every Gram matrix is positive semi-definite."""
+        return all(each.positive_definite for each in self.kernels)
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """Return the parameters; also those of each kernel, as ``kernels__0__NAME``, if deep."""
+        found: dict[str, Any] = super().get_params(deep=False)
+        if deep:
+            for number, kernel in enumerate(self.kernels):
+                inner = kernel.get_params().items()
+                found |= {f"kernels__{number}__{name}": value for name, value in inner}
+        return found
+
+    def set_params(self, **parameters: Any) -> Self:
+        """Set parameters by the names of :meth:`get_params`."""
+        for name, value in parameters.items():
+            known = self.get_params()
+            if name not in known:
+                raise ValueError(f"{type(self).__name__} has no '{name}'; {choices(name, known)}")
+            if "__" not in name:
+                super().set_params(**{name: value})
+                continue
+            _, number, inner = name.split("__", 2)
+            self.kernels[int(number)].set_params(**{inner: value})
+        return self
+
+    def check(self, *batches: FeatureBatch | None) -> None:
+        """Raise UsageError if a batch is of a kind that one of the kernels cannot take."""
+        for kernel in self.kernels:
+            kernel.check(*batches)
 
     def fit(self, features: FeatureBatch) -> Self:
         """Fit a copy of every kernel on training features."""
@@ -101,6 +136,13 @@ class Product(Combined):
     Weights other than 1 are for kernels whose powers are kernels: chi2 and rbf, for which they
     multiply gamma.
     """
+
+    @property
+    def positive_definite(self) -> bool:  # type: ignore[override]
+        """Whether every Gram matrix is positive semi-definite."""
+        powers = zip(self.kernels, self._checked_weights(), strict=True)
+        safe = (isinstance(k, DistanceKernel) or float(power).is_integer() for k, power in powers)
+        return super().positive_definite and all(safe)
 
     def _weighted(self, gram: Gram, weight: float) -> Gram:
         return np.power(gram, weight)

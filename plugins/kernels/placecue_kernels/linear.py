@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy import sparse
 
+from placecue.errors import DataError
 from placecue.features import FeatureBatch, FeatureKind
 from placecue.kernel import Gram, Kernel
 
@@ -25,10 +26,19 @@ class Linear(Kernel):
         ------
         UsageError
             If a batch is a set of descriptors, or the two differ in their columns.
+        DataError
+            If a feature is NaN.
         """
         self.check(a, b)
         b = a if b is None else b
         check_same_width(a, b)
+        products = self._products(a, b)
+        if np.isnan(products).any():
+            raise DataError("the linear kernel multiplies numbers, got NaN")
+        return products
+
+    @staticmethod
+    def _products(a: FeatureBatch, b: FeatureBatch) -> Gram:
         if not sparse.issparse(a) and not sparse.issparse(b):
             return np.asarray(a, dtype=np.float64) @ np.asarray(b, dtype=np.float64).T
         # The transpose of a sparse batch would hold a pointer for each of perhaps 28**6 columns.

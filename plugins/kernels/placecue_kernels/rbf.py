@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from sklearn.metrics.pairwise import euclidean_distances
 
+from placecue.errors import DataError
 from placecue.features import FeatureBatch, FeatureKind
 from placecue.kernel import DistanceKernel, Gram
 
@@ -34,9 +35,14 @@ class RBF(DistanceKernel):
         ------
         UsageError
             If a batch is not dense, or the two differ in their columns.
+        DataError
+            If a feature is NaN or infinite.
         """
         self.check(a, b)
         if b is not None:
             check_same_width(a, b)
-        squared: Gram = euclidean_distances(a, b, squared=True)
+        try:
+            squared: Gram = euclidean_distances(a, b, squared=True)
+        except ValueError as error:
+            raise DataError(f"the rbf kernel cannot compare these vectors: {error}") from error
         return squared

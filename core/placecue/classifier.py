@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator
 from typing import Any, Self
 
 import numpy as np
@@ -14,7 +15,8 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import column_or_1d, validate_data
 
 from placecue.errors import DataError, UsageError
-from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples
+from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
+from placecue.folds import Rows
 from placecue.scores import Layout, Scores
 
 
@@ -81,6 +83,36 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         """
         copy: Any = clone(self)
         return copy  # type: ignore[no-any-return]
+
+    def out_of_fold(
+        self,
+        features: FeatureBatch,
+        labels: NDArray[np.str_],
+        stamps: NDArray[np.int64] | None,
+        splits: Iterable[tuple[Rows, Rows]],
+    ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
+        """Yield what samples are scored by copies of this classifier that have not seen them.
+
+        Override it where folds can share work, such as a Gram matrix.
+
+        Parameters
+        ----------
+        features : batch of n samples
+        labels : ndarray of str, shape (n,)
+        stamps : ndarray of int64, shape (n,), or None
+            Times, ns.
+        splits : iterable of (training rows, held-out rows)
+            The folds.
+
+        Yields
+        ------
+        tuple of held-out rows and their scores, shape (k, V)
+            By a copy of :meth:`chosen` that was fitted on the training rows.
+        """
+        for training, held_out in splits:
+            times = None if stamps is None else stamps[training]
+            copy = self.chosen().fit(take(features, training), labels[training], times)
+            yield held_out, copy.scores(take(features, held_out)).values
 
     # ------------------------------------------------------------------ for those who write one
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -160,7 +160,7 @@ class OutOfFold:
     def scores(
         self,
         classifier: Classifier,
-        samples_for: Callable[[Rows], CueSamples],
+        samples: CueSamples | Callable[[Rows], CueSamples],
         labels: NDArray[np.str_],
         stamps: ArrayLike | None = None,
         *,
@@ -172,10 +172,10 @@ class OutOfFold:
         ----------
         classifier : Classifier
             A fitted classifier; copies with its chosen parameters are fitted in each fold.
-        samples_for : callable
-            Given the training rows of a fold, the features of all n samples by a cue that has
-            learned from those rows only. A cue that learns nothing gives the same ones each time.
-            Their altered copies are trained on and never scored.
+        samples : CueSamples, or callable
+            The features of all n samples by a cue that learns nothing; of one that learns, what
+            returns them given the training rows of a fold, from which alone the cue has learned.
+            Altered copies are trained on and never scored.
         labels : ndarray of str, shape (n,)
             The classes of the samples.
         stamps : array of int, shape (n,), optional
@@ -189,13 +189,29 @@ class OutOfFold:
             Shape (n, V) in the fitted classifier's layout; NaN for a sample that no fold held out.
         """
         values = np.full((len(labels), len(classifier.layout_.columns)), np.nan)
-        splits = list(self.folds.split(labels, stamps))
-        stamps = None if stamps is None else np.asarray(stamps)
-        for training, held_out in track(splits, f"{what}: out-of-fold scores"):
-            samples = samples_for(training)
-            copy = classifier.chosen().fit(*samples.training(labels, stamps, training))
-            values[held_out] = copy.scores(take(samples.features, held_out)).values
+        times = None if stamps is None else np.asarray(stamps)
+        splits = track(list(self.folds.split(labels, times)), f"{what}: out-of-fold scores")
+        if isinstance(samples, CueSamples) and not samples.altered:
+            scored = classifier.out_of_fold(samples.features, labels, times, splits)
+        else:
+            scored = _fitted_anew(classifier, samples, labels, times, splits)
+        for held_out, scores in scored:
+            values[held_out] = scores
         return Scores(values, classifier.layout_)
+
+
+def _fitted_anew(
+    classifier: Classifier,
+    samples: CueSamples | Callable[[Rows], CueSamples],
+    labels: NDArray[np.str_],
+    stamps: NDArray[np.int64] | None,
+    splits: Iterable[tuple[Rows, Rows]],
+) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
+    """Yield held-out rows with their scores; each fold has features and copies of its own."""
+    for training, held_out in splits:
+        of_fold = samples if isinstance(samples, CueSamples) else samples(training)
+        copy = classifier.chosen().fit(*of_fold.training(labels, stamps, training))
+        yield held_out, copy.scores(take(of_fold.features, held_out)).values
 
 
 def scored_rows(evidence: Mapping[str, Scores]) -> Rows:

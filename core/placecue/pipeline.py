@@ -255,16 +255,13 @@ class Pipeline:
 
     def _out_of_fold(self, samples: Samples) -> tuple[Evidence, Rows]:
         out_of_fold = OutOfFold(self.folds)
-        scores = {
-            name: out_of_fold.scores(
-                classifier,
-                partial(samples.learned_from, name, cue),
-                samples.labels,
-                samples.stamps,
-                what=name,
+        scores = {}
+        for name, (cue, classifier) in self.cues.items():
+            learned = partial(samples.learned_from, name, cue)
+            features = learned if cue.learns else samples.of_cue(name, cue)
+            scores[name] = out_of_fold.scores(
+                classifier, features, samples.labels, samples.stamps, what=name
             )
-            for name, (cue, classifier) in self.cues.items()
-        }
         rows = scored_rows(scores)
         return StoredEvidence({name: of_cue[rows] for name, of_cue in scores.items()}), rows
 

@@ -113,8 +113,6 @@ class Samples:
 
     def learned_from(self, name: str, cue: Cue, rows: Rows) -> CueSamples:
         """Return all samples' features by a copy of a cue that has learned from some of them."""
-        if not cue.learns:
-            return self.extracted[name]
         copy: Cue = clone(cue)
         self.fit(copy, rows)
         return self.of_cue(name, copy)

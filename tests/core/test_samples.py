@@ -96,12 +96,8 @@ def test_held_out_samples_are_scored_as_recorded(noting: Noting) -> None:
     folds, cue = InterleavedChunks(), Doubled()
     noting.fit(samples.extracted["beams"].features, samples.labels)
     Noting.trained.clear()
-    OutOfFold(folds).scores(
-        noting,
-        lambda rows: samples.learned_from("beams", cue, rows),
-        samples.labels,
-        samples.stamps,
-    )
+    of_cue = samples.of_cue("beams", cue)
+    OutOfFold(folds).scores(noting, of_cue, samples.labels, samples.stamps)
     every = list(Walk())
     splits = folds.split(samples.labels, samples.stamps)
     for (training, held_out), (features, _, _), asked in zip(

@@ -62,6 +62,11 @@ class Prepared:
             return cls(kernel, fitted, features, kernel.distances(features))
         return cls(kernel, fitted, features, kernel.gram(features))
 
+    @property
+    def learned(self) -> bool:
+        """Whether the Gram matrix depends on which samples it was prepared with."""
+        return self.scaling is not None or _has_learned(self.kernel)
+
     def gram(self, gamma: float | None = None) -> Gram:
         """Return the Gram matrix, shape (n, n), for another gamma than the kernel's if given.
 
@@ -122,6 +127,13 @@ def fitted_scaling(features: FeatureBatch, how: str | None) -> Scaling | None:
     if kind_of(features) is not FeatureKind.DENSE:
         raise WrongKind(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
     return scaling(how).fit(np.asarray(features))
+
+
+def _has_learned(kernel: Kernel) -> bool:
+    """Tell whether fitting left anything in a kernel, or in those that it joins."""
+    own = {name: value for name, value in vars(kernel).items() if name.endswith("_")}
+    joined = own.pop("kernels_", [])
+    return bool(own) or any(map(_has_learned, joined))
 
 
 def _finite(gram: Gram, kernel: Kernel) -> Gram:

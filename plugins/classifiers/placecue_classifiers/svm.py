@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -182,6 +182,35 @@ class SVM(Classifier):
         copy: Self = self.with_setting(getattr(self, "chosen_", {}))
         copy.set_params(search=None, refit=True)
         return copy
+
+    def out_of_fold(
+        self,
+        features: FeatureBatch,
+        labels: NDArray[np.str_],
+        stamps: NDArray[np.int64] | None,
+        splits: Iterable[tuple[Rows, Rows]],
+    ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
+        """Yield what samples are scored by machines that have not seen them.
+
+        One Gram matrix serves every fold, unless scaling or kernel learn from training samples;
+        see :meth:`placecue.classifier.Classifier.out_of_fold`.
+        """
+        svm = self.chosen()
+        prepared = None if svm.scaling is not None else svm.prepared(self.samples(features))
+        if prepared is None or prepared.learned:
+            yield from super().out_of_fold(features, labels, stamps, splits)
+            return
+        gram, codes = prepared.gram(), svm.learn_classes(labels)
+        for training, held_out in splits:
+            block, of_fold = gram[np.ix_(training, training)], codes[training]
+            machines = svm.machines(block, of_fold, svm.class_names)
+            values = machines.decide(gram[np.ix_(held_out, training)])
+            if svm.probability is not None:
+                layout = svm.machine_layout(svm.class_names, machines, block, of_fold)
+                inner = svm._splits(of_fold, None if stamps is None else stamps[training])
+                calibrators = svm.calibrated(block, of_fold, svm.class_names, inner)
+                values = calibration.probabilities(svm.probability, calibrators, layout, values)
+            yield held_out, values
 
     # ------------------------------------------------------------------ what the search needs
 

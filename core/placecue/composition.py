@@ -10,7 +10,7 @@ from placecue.config import build, describe, kind_of_parameter, nested
 from placecue.discovery.hooks import Kind
 from placecue.discovery.registry import Registry
 from placecue.errors import UsageError, choices
-from placecue.folds import FOLD_SCHEMES, FoldScheme
+from placecue.folds import FOLD_SCHEMES, fold_scheme
 from placecue.integrator import OnlyCue
 from placecue.parameter_types import misfits
 from placecue.pipeline import Pipeline
@@ -45,31 +45,9 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
     return Pipeline(
         cues,
         None if integrator is None else build(integrator, "integrator", registry),
-        build_folds(composition.get("folds") or {}),
+        fold_scheme(composition.get("folds")),
         build_unknown(composition.get("unknown")),
     )
-
-
-def build_folds(config: Mapping[str, Any]) -> FoldScheme:
-    """Build a fold scheme from ``scheme`` and its parameters."""
-    if not isinstance(config, Mapping):
-        raise UsageError(f"folds must be a mapping with 'scheme' and parameters, got {config!r}")
-    parameters = dict(config)
-    name = parameters.pop("scheme", "interleaved")
-    if name not in FOLD_SCHEMES:
-        raise UsageError(f"unknown fold scheme '{name}'; {choices(name, FOLD_SCHEMES)}")
-    scheme = FOLD_SCHEMES[name]
-    for parameter in parameters:
-        if parameter not in scheme.__dataclass_fields__:
-            known = choices(parameter, scheme.__dataclass_fields__)
-            raise UsageError(
-                f"fold scheme '{name}' has no parameter '{parameter}'; {known}; take it out with "
-                f"~folds.{parameter}"
-            )
-    wrong = misfits(parameters, scheme)
-    if wrong:
-        raise UsageError(f"folds: {'; '.join(wrong)}")
-    return scheme(**parameters)
 
 
 def build_unknown(config: Mapping[str, Any] | None) -> Unknown | None:

@@ -14,6 +14,8 @@ from placecue.errors import DataError, UsageError, choices
 
 Rows = NDArray[np.int64]
 NANOSECONDS = 1_000_000_000
+#: The types of fold schemes' parameters in words.
+_WORDS = {bool: "true or false", int: "a whole number", float: "a number"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,16 +257,19 @@ def fold_scheme(config: Mapping[str, Any] | None) -> FoldScheme:
     if name not in FOLD_SCHEMES:
         raise UsageError(f"unknown fold scheme '{name}'; {choices(str(name), FOLD_SCHEMES)}")
     scheme = FOLD_SCHEMES[name]
-    known = [each.name for each in fields(scheme)]
-    for parameter in parameters:
+    known = {each.name: type(each.default) for each in fields(scheme)}
+    for parameter, value in parameters.items():
         if parameter not in known:
             raise UsageError(
-                f"fold scheme '{name}' has no parameter '{parameter}'; {choices(parameter, known)}"
+                f"fold scheme '{name}' has no parameter '{parameter}'; "
+                f"{choices(parameter, known)}; take it out with ~folds.{parameter} (of a "
+                f"classifier: ~cues.CUE.classifier.folds.{parameter})"
             )
-    try:
-        return scheme(**parameters)
-    except TypeError as error:
-        raise UsageError(f"fold scheme '{name}' refused its parameters: {error}") from error
+        wanted = known[parameter]
+        fits = type(value) is wanted or (wanted is float and type(value) is int)
+        if wanted in _WORDS and not fits:
+            raise UsageError(f"folds: {parameter} must be {_WORDS[wanted]}, got {value!r}")
+    return scheme(**parameters)
 
 
 def _moments(times: NDArray[np.int64]) -> Rows:

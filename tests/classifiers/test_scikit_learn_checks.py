@@ -6,6 +6,7 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from classifiers.checks import cannot_apply
 from placecue_classifiers.adaboost import AdaBoost
+from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM
 from placecue_kernels.hi import HistogramIntersection
@@ -23,6 +24,7 @@ CLASSIFIERS = [
     AdaBoost(rounds=20),
     AdaBoost(rounds=20, output="probability"),
     AdaBoost(rounds=20, criterion="gini"),
+    GridSearch(AdaBoost(rounds=10), search={"rounds": [5, 10]}),
     ScikitLearn("sklearn.naive_bayes.GaussianNB"),
     ScikitLearn("sklearn.linear_model.RidgeClassifier"),
 ]

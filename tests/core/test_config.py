@@ -4,9 +4,10 @@ import pytest
 from omegaconf import OmegaConf
 
 from placecue import Blocks, UsageError
-from placecue.composition import build_folds, build_pipeline, describe_pipeline
+from placecue.composition import build_pipeline, describe_pipeline
 from placecue.config import build, describe
 from placecue.discovery.registry import Registry
+from placecue.folds import fold_scheme
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF
 from toys import pipeline, registry
@@ -65,8 +66,8 @@ def test_mistakes_are_answered_with_what_exists(
 
 
 def test_fold_schemes_by_name() -> None:
-    assert build_folds({"scheme": "blocks", "n_folds": 3}) == Blocks(n_folds=3)
+    assert fold_scheme({"scheme": "blocks", "n_folds": 3}) == Blocks(n_folds=3)
     with pytest.raises(UsageError, match="did you mean 'blocks'"):
-        build_folds({"scheme": "block"})
+        fold_scheme({"scheme": "block"})
     with pytest.raises(UsageError, match="no parameter 'seconds'"):
-        build_folds({"scheme": "blocks", "seconds": 3})
+        fold_scheme({"scheme": "blocks", "seconds": 3})

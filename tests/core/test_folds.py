@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from placecue import Blocks, DataError, InterleavedChunks, UsageError
-from placecue.composition import build_folds
 from placecue.folds import FOLD_SCHEMES, ByLog, FoldScheme, Shuffled, fold_scheme
 
 SECOND = 1_000_000_000
@@ -129,7 +128,7 @@ def test_a_plugin_brings_a_scheme(monkeypatch: pytest.MonkeyPatch) -> None:
     labels = np.repeat(["a", "b", "c", "d"], 4)
     for scheme in (
         fold_scheme({"scheme": "alternating", "n_folds": 2}),
-        build_folds({"scheme": "alternating", "n_folds": 2}),
+        fold_scheme({"scheme": "alternating", "n_folds": 2}),
     ):
         held_out = [each.tolist() for _, each in scheme.split(labels)]
         assert held_out == [list(range(0, 16, 2)), list(range(1, 16, 2))]
@@ -148,7 +147,9 @@ def test_a_scheme_by_name() -> None:
         ({"scheme": "block"}, "did you mean 'blocks'"),
         ({"scheme": "blocks", "seconds": 2}, "has no parameter 'seconds'"),
         ({"n_folds": 1}, "n_folds must be 2 or more, got 1"),
-        ({"n_folds": "many"}, "n_folds must be 2 or more, got 'many'"),
+        ({"n_folds": "many"}, "n_folds must be a whole number, got 'many'"),
+        ({"seconds": "2 s"}, "seconds must be a number, got '2 s'"),
+        ({"scheme": "by_log", "only_last": 1}, "only_last must be true or false, got 1"),
         ({"seconds": 0}, "seconds must be above 0"),
         ({"scheme": "by_log", "gap": -1}, "gap must be above 0"),
         ("blocks", "must be a mapping"),

@@ -30,8 +30,8 @@ def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, P
         A pipeline fresh from training.
     folder : Path
         Its model folder. ``search/NAME.md`` is the table of a parameter search, by the name of
-        the cue or ``integrator``; ``search/NAME.png`` its heat map, where C or gamma was searched;
-        ``reliability.png`` the diagram of all classifiers that give probabilities.
+        the cue or ``integrator``; ``search/NAME.png`` its heat map, over C and gamma or other
+        numbers; ``reliability.png`` the diagram of all classifiers that give probabilities.
 
     Returns
     -------
@@ -43,8 +43,9 @@ def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, P
     searched = searches(pipeline)
     for name, results in searched.items():
         write_text(folder / SEARCHES / f"{name}.md", search_table(results))
-        if not {"C", "gamma"}.isdisjoint(results):
-            draw_search(results, folder / SEARCHES / f"{name}.png", title=name)
+        axes = _axes(results)
+        if axes:
+            draw_search(results, folder / SEARCHES / f"{name}.png", **axes, title=name)
     if searched:
         written.append(("parameter searches", folder / SEARCHES))
     measured = held_out_reliability(pipeline)
@@ -52,6 +53,18 @@ def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, P
         draw_reliability(measured, folder / RELIABILITY, title="Reliability on held-out samples")
         written.append(("reliability diagram", folder / RELIABILITY))
     return written
+
+
+def _axes(results: Results) -> dict[str, str]:
+    """Return the axes of a heat map: gamma and C, else the first parameters that are numbers."""
+    if not {"C", "gamma"}.isdisjoint(results):
+        return {"across": "gamma", "up": "C"}
+    numbers = [
+        name
+        for name, values in results.items()
+        if name != SCORE and all(isinstance(value, (int, float)) for value in values)
+    ]
+    return dict(zip(("across", "up"), numbers, strict=False))
 
 
 def _clear(pipeline: Pipeline, folder: Path) -> None:

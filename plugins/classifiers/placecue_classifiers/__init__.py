@@ -30,4 +30,11 @@ def placecue_components() -> list[Component]:
             summary="Any classifier of scikit-learn, by its dotted name",
             requires=("dense or sparse vectors",),
         ),
+        Component(
+            kind="classifier",
+            name="grid_search",
+            factory="placecue_classifiers.grid_search:GridSearch",
+            summary="Any classifier, with parameters picked by cross-validation",
+            requires=("a classifier",),
+        ),
     ]

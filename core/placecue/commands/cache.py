@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from placecue.commands import show
+from placecue.commands import tables
 from placecue.commands.features import cache_of
 from placecue.errors import UsageError
 from placecue.storage.cache_folder import DAY, Kept, contents, trim
@@ -26,7 +26,7 @@ def run(config: dict[str, Any]) -> None:
         print(f"removed {removed / _MEGA:.1f} MB")
     kept = contents(folder)
     if kept:
-        show.table(
+        tables.table(
             ["log", "cue, version", "samples", "MB", "last used", "parameters"], map(_row, kept)
         )
     total = sum(each.size for each in kept)

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from placecue import progress
-from placecue.commands import show
+from placecue.commands import show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
 from placecue.discovery.manager import current_plugins
@@ -44,5 +44,5 @@ def run(config: dict[str, Any]) -> None:
     if tally.counts:
         show.scores(tally)
         results.append(("scores", write_json(metrics, tally.to_json())))
-    show.written(results)
+    tables.written(results)
     plugins.tell("run_finished", command="classify", out=out)

@@ -6,7 +6,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from placecue.commands import convert, label, show, train
+from placecue.commands import convert, label, show, tables, train
 from placecue.commands.logs import path_of
 from placecue.discovery.manager import current_plugins
 from placecue.errors import PlacecueError
@@ -36,7 +36,8 @@ def run(config: dict[str, Any]) -> None:
 
     named = [area for area in semantic_map.areas if area.label != UNKNOWN]
     print(f"\n{len(semantic_map.areas)} areas, {len(named)} of them labelled")
-    show.written([("logs", out / "run*.mcap"), ("model", out / "model"), *label.results(out, True)])
+    made = [("logs", out / "run*.mcap"), ("model", out / "model")]
+    tables.written([*made, *label.results(out, True)])
     print(
         f"\ndone in {perf_counter() - started:.0f} s. next:\n"
         f"  placecue info log={logs[1]}\n"

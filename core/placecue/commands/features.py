@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from placecue.discovery.manager import Plugins
 from placecue.errors import UsageError
-from placecue.extraction import Extraction
-from placecue.storage.feature_cache import FeatureCache
+
+if TYPE_CHECKING:
+    from placecue.extraction import Extraction
 
 
 def extraction_of(
@@ -30,9 +31,13 @@ def extraction_of(
     UsageError
         If the size is not 0 or more.
     """
+    from placecue.extraction import Extraction
+
     folder = cache_of(config)
     if folder is None:
         return nullcontext(Extraction())
+    from placecue.storage.feature_cache import FeatureCache
+
     return FeatureCache(folder, plugins.registry, config["cache"]["max_size"])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from placecue import progress
-from placecue.commands import show
+from placecue.commands import tables
 from placecue.commands.logs import open_source, path_of, single_logs
 from placecue.discovery.manager import current_plugins
 from placecue.errors import UsageError
@@ -63,7 +63,7 @@ def print_summary(summary: LogSummary) -> None:
     print(f"{summary.path}: {summary.size / 1e6:.1f} MB, {summary.duration:.1f} s{state}")
     for key, value in summary.metadata.items():
         print(f"  {key}: {value}")
-    show.table(
+    tables.table(
         ["topic", "schema", "encoding", "messages", "per second", "largest gap (s)"],
         [_row(topic) for topic in summary.topics],
     )
@@ -75,7 +75,7 @@ def print_summary(summary: LogSummary) -> None:
     styles = category_styles(_classes(summary))
     for label, count in sorted(summary.labels.items()):
         mark = Text(f"  {label or NO_LABEL}: {count}")
-        show.console().print(mark.append(" ■", styles[label][0]) if label else mark)
+        tables.console().print(mark.append(" ■", styles[label][0]) if label else mark)
     if summary.problem:
         print(f"cannot be read as it is: {summary.problem}")
 
@@ -84,7 +84,7 @@ def print_way(summary: LogSummary) -> None:
     """Print the way of the robot as a small picture, coloured by label."""
     if not summary.trail:
         return
-    console = show.console()
+    console = tables.console()
     colours = {name: colour for name, (colour, _) in category_styles(_classes(summary)).items()}
     print(f"\nthe way, {_extent(summary)}:")
     console.print(thumbnail(summary.trail, colours, plain=console.options.ascii_only))
@@ -98,7 +98,7 @@ def draw_way(summary: LogSummary, out: Path) -> None:
     classes = [*_classes(summary), *[NO_LABEL] * any(not label for _, _, label in summary.trail)]
     nothing = SemanticMap((), (), (), ())
     draw_semantic_map(nothing, out, truth=way, classes=classes, title=Path(summary.path).name)
-    show.written([("the way", out)])
+    tables.written([("the way", out)])
 
 
 def _classes(summary: LogSummary) -> list[str]:

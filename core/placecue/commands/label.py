@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from placecue import progress
-from placecue.commands import show
+from placecue.commands import show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
 from placecue.config import build
@@ -34,7 +34,7 @@ def run(config: dict[str, Any]) -> None:
     print(f"{len(semantic_map.areas)} areas, {len(areas)} of them labelled")
     if tally.counts:
         show.scores(tally)
-    show.written(results(out, scored=bool(tally.counts)))
+    tables.written(results(out, scored=bool(tally.counts)))
     current_plugins().tell("run_finished", command="label", out=out)
 
 

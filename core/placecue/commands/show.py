@@ -1,35 +1,18 @@
-"""What commands print: tables and where results are."""
+"""What commands print of scores and of training."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
+from placecue.commands.tables import table, written
 from placecue.evaluation.search_figure import SCORE, as_text
 from placecue.evaluation.tally import INTEGRATED, Tally
 from placecue.evaluation.training_report import searches
 from placecue.pipeline import Pipeline
 from placecue.semantic_map import UNKNOWN
-
-
-def console() -> Console:
-    """Return the console that results go to."""
-    plain = Console()
-    return plain if plain.is_terminal else Console(width=140)
-
-
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> None:
-    """Print a table; all columns but the first are aligned right."""
-    shown = Table(title=title or None, title_justify="left", box=None, pad_edge=False)
-    for number, heading in enumerate(headings):
-        shown.add_column(heading, justify="left" if number == 0 else "right", no_wrap=number == 0)
-    for row in rows:
-        shown.add_row(*row)
-    console().print(shown)
 
 
 def scores(tally: Tally) -> None:
@@ -81,14 +64,6 @@ def chosen_parameters(pipeline: Pipeline) -> None:
         rows.append([classifier, *chosen, _percent(results[SCORE][best])])
     if rows:
         table(["classifier", *names, "balanced accuracy in cross-validation (%)"], rows)
-
-
-def written(paths: Iterable[tuple[str, Path]]) -> None:
-    """Print what was written where."""
-    rows = list(paths)
-    width = max(len(what) for what, _ in rows)
-    for what, path in rows:
-        print(f"{what:<{width}}  {path}")
 
 
 def _percent(share: float | None) -> str:

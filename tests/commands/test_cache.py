@@ -97,6 +97,21 @@ def test_refused(words: list[str], said: str) -> None:
     assert said in told.line
 
 
-def test_a_size_that_cannot_be(log_a: Path) -> None:
-    told = placecue("train", "cue=laser", "integrator=none", f"log={log_a}", "cache.max_size=-1")
-    assert (told.status, told.line) == (2, "cache.max_size must be 0 GB or more, or null, got -1")
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("cache.max_size=-1", "cache.max_size must be a number of at least 0, or null, got -1"),
+        ("cache.max_size=big", "cache.max_size must be a number of at least 0, or null, got 'big'"),
+        ("cache=5", "cache must be a mapping with 'folder', or null, got 5"),
+    ],
+)
+def test_settings_that_cannot_be(word: str, said: str, log_a: Path) -> None:
+    for told in (
+        placecue("train", "cue=laser", "integrator=none", f"log={log_a}", word),
+        placecue("cache", word),
+    ):
+        assert (told.status, told.line.split(": ")[-1]) == (2, said.split(": ")[-1])
+
+
+def test_no_cache_at_all(log_a: Path) -> None:
+    succeeds("train", "cue=laser", "integrator=none", f"log={log_a}", "cache=null", "out=model")

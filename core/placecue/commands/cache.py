@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from placecue.commands import tables
-from placecue.commands.features import cache_of
+from placecue.commands.features import at_least_0, cache_of
 from placecue.errors import UsageError
 from placecue.storage.cache_folder import DAY, Kept, contents, trim
 
@@ -17,10 +17,10 @@ _MEGA, _GIGA = 1e6, 1e9
 
 def run(config: dict[str, Any]) -> None:
     """Trim the cache if that is asked for, and print what is in it."""
-    folder = cache_of(config)
+    folder, _ = cache_of(config)
     if folder is None:
         raise UsageError("there is no cache to look at: give cache.folder=PATH")
-    trim_to, unused_days = _limit(config, "trim_to"), _limit(config, "unused_days")
+    trim_to, unused_days = (at_least_0(config[key], key) for key in ("trim_to", "unused_days"))
     if trim_to is not None or unused_days is not None:
         removed = trim(folder, None if trim_to is None else trim_to * _GIGA, unused_days)
         print(f"removed {removed / _MEGA:.1f} MB")
@@ -53,10 +53,3 @@ def _parameters(about: Mapping[str, Any]) -> str:
 def _ago(used: float) -> str:
     days = (time.time() - used) / DAY
     return "today" if days < 1 else f"{days:.0f} days ago"
-
-
-def _limit(config: Mapping[str, Any], key: str) -> float | None:
-    value = config[key]
-    if value is None or (isinstance(value, (int, float)) and value >= 0):
-        return value
-    raise UsageError(f"{key} must be a number of at least 0, or null, got {value!r}")

@@ -33,23 +33,41 @@ def extraction_of(
     """
     from placecue.extraction import Extraction
 
-    folder = cache_of(config)
+    folder, max_size = cache_of(config)
     if folder is None:
         return nullcontext(Extraction())
     from placecue.storage.feature_cache import FeatureCache
 
-    return FeatureCache(folder, plugins.registry, config["cache"]["max_size"])
+    return FeatureCache(folder, plugins.registry, max_size)
 
 
-def cache_of(config: Mapping[str, Any]) -> Path | None:
-    """Return the folder of the feature cache, or None.
+def cache_of(config: Mapping[str, Any]) -> tuple[Path | None, float | None]:
+    """Return the folder of the feature cache and its largest size, GB; None for none.
 
     Raises
     ------
     UsageError
-        If it is no path.
+        If the folder is no path, or the size not 0 or more.
     """
-    folder = (config.get("cache") or {}).get("folder")
-    if folder is None or isinstance(folder, str):
-        return Path(folder).expanduser() if folder else None
-    raise UsageError(f"cache.folder must be a path or null, got {folder!r}")
+    cache = config.get("cache") or {}
+    if not isinstance(cache, Mapping):
+        raise UsageError(f"cache must be a mapping with 'folder', or null, got {cache!r}")
+    folder, max_size = cache.get("folder"), cache.get("max_size")
+    if folder is not None and not isinstance(folder, str):
+        raise UsageError(f"cache.folder must be a path or null, got {folder!r}")
+    return Path(folder).expanduser() if folder else None, at_least_0(max_size, "cache.max_size")
+
+
+def at_least_0(value: Any, name: str) -> float | None:
+    """Return a number of at least 0, or None.
+
+    Raises
+    ------
+    UsageError
+        If it is neither.
+    """
+    if value is None:
+        return None
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and value >= 0:
+        return float(value)
+    raise UsageError(f"{name} must be a number of at least 0, or null, got {value!r}")

@@ -55,8 +55,6 @@ class FeatureCache(Extraction):
     """
 
     def __init__(self, folder: Path, registry: Registry, max_size: float | None = None) -> None:
-        if max_size is not None and not max_size >= 0:
-            raise UsageError(f"cache.max_size must be 0 GB or more, or null, got {max_size}")
         self.folder = folder
         self.registry = registry
         self.max_size = max_size

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +16,8 @@ from placecue.integrator import Integrator
 from placecue.progress import track
 from placecue.rejection import Rejection, choose_threshold
 from placecue.scores import Scores
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,23 @@ class HeldOut:
     evidence: Evidence
     labels: NDArray[np.str_]
     stamps: NDArray[np.int64]
+
+    def parted(self, classes: Sequence[str]) -> tuple[HeldOut, HeldOut | None]:
+        """Return the samples of the given classes, and those of others, None where there are none.
+
+        Raises
+        ------
+        DataError
+            If there is no sample of the given classes.
+        """
+        known = np.isin(self.labels, classes)
+        if not known.any():
+            raise DataError("the integration log has no sample of a class of the training log")
+        if known.all():
+            return self, None
+        parts = (np.flatnonzero(each) for each in (known, ~known))
+        of_known, others = (HeldOut(self._of(r), self.labels[r], self.stamps[r]) for r in parts)
+        return of_known, others
 
     def integrated(self, integrator: Integrator, folds: FoldScheme) -> list[tuple[Rows, Scores]]:
         """Return integrated scores of samples that the integrator has not seen either.
@@ -58,13 +79,22 @@ class HeldOut:
         return scored
 
     def rejection(
-        self, integrator: Integrator, folds: FoldScheme, false_accept_rate: float
+        self,
+        integrator: Integrator,
+        folds: FoldScheme,
+        false_accept_rate: float,
+        foreign: HeldOut | None = None,
     ) -> Rejection:
         """Choose the threshold for "unknown" on the decisions of :meth:`integrated`.
 
-        See :func:`placecue.rejection.choose_threshold`.
+        Samples of other places, on which the integrator was not fitted, are decided by it as it
+        is, and never rightly; see :func:`placecue.rejection.choose_threshold`.
         """
         confidence, correct = [], []
+        if foreign is not None:
+            decided = integrator.integrate(foreign.evidence).decide()
+            confidence.append(decided.confidence)
+            correct.append(np.zeros(len(foreign.labels), dtype=bool))
         for rows, scores in self.integrated(integrator, folds):
             decision = scores.decide()
             confidence.append(decision.confidence)
@@ -80,6 +110,7 @@ class HeldOut:
     def _splits(self, folds: FoldScheme) -> list[tuple[Rows, Rows]]:
         try:
             return list(folds.split(self.labels, self.stamps))
-        except DataError:
+        except DataError as error:
             # A scheme may need what is not here: by_log needs two logs, and held out was one.
+            log.warning(f"held-out decisions are cut into interleaved chunks instead: {error}")
             return list(InterleavedChunks(folds.n_folds).split(self.labels, self.stamps))

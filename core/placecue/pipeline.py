@@ -6,6 +6,7 @@ IJRR 29(2-3), 2010, sections 3 to 5.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import islice
@@ -30,6 +31,8 @@ from placecue.samples import Samples, collect
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
+
+log = logging.getLogger(__name__)
 
 
 class Pipeline:
@@ -219,19 +222,27 @@ class Pipeline:
                 samples.fit(cue)
             classifier.fit(*samples.of_cue(name, cue).training(samples.labels, samples.stamps))
         if not self._needs_held_out(reliability):
+            if integration is not None:
+                log.warning(
+                    "the integration log is not used: one cue needs no integration, and neither "
+                    "'unknown' nor probabilities are asked for"
+                )
             return self
         unseen = samples
         if integration is None:
             evidence, rows = self._out_of_fold(samples)
         else:
             unseen = self._collect(integration)
-            evidence, rows = self._scored(unseen), np.arange(len(unseen))
             self._check_names(unseen)
-        held_out = HeldOut(evidence, unseen.labels[rows], unseen.stamps[rows])
+            evidence, rows = self._scored(unseen), np.arange(len(unseen))
+        every = HeldOut(evidence, unseen.labels[rows], unseen.stamps[rows])
+        held_out, foreign = every.parted(self.classes)
+        if integration is not None:
+            self._check_integration(held_out, foreign)
         self.integrator.fit(held_out.evidence, held_out.labels, held_out.stamps)
         if self.unknown is not None:
             rate = self.unknown.false_accept_rate
-            self.rejection_ = held_out.rejection(self.integrator, self.folds, rate)
+            self.rejection_ = held_out.rejection(self.integrator, self.folds, rate, foreign)
         self.held_out_ = held_out
         return self
 
@@ -264,6 +275,20 @@ class Pipeline:
             )
         rows = scored_rows(scores)
         return StoredEvidence({name: of_cue[rows] for name, of_cue in scores.items()}), rows
+
+    def _check_integration(self, unseen: HeldOut, foreign: HeldOut | None) -> None:
+        missing = set(self.classes) - set(unseen.labels.tolist())
+        if missing and not isinstance(self.integrator, OnlyCue):
+            raise DataError(
+                f"the integration log has no sample of {', '.join(sorted(missing))}: an integrator "
+                "fitted on it would never say so; give a log with every class of the training log"
+            )
+        if foreign is not None and self.unknown is None:
+            names = ", ".join(sorted(set(foreign.labels.tolist())))
+            log.warning(
+                f"{len(foreign.labels)} samples of the integration log are left out: {names} is no "
+                "class of the training log"
+            )
 
     def _scored(self, samples: Samples) -> Evidence:
         return StoredEvidence(

@@ -48,6 +48,25 @@ def test_finds_what_an_exhaustive_loop_finds(seen: Samples) -> None:
     assert found.layout_ == whole.layout_
 
 
+def test_a_class_that_is_never_held_out_is_not_scored(seen: Samples) -> None:
+    features, labels = seen
+    order = np.argsort(np.random.default_rng(0).permutation(len(labels)))
+    features, labels = features[order], labels[order]
+    # The second log, an hour later, has four of the five classes.
+    later = (np.arange(len(labels)) > 100) & (labels != "office")
+    order = np.argsort(later, kind="stable")
+    features, labels, later = features[order], labels[order], later[order]
+    stamps = (np.arange(len(labels)) + 3600 * later) * 10**9
+    folds = {"scheme": "by_log", "only_last": True}
+    points = {"C": [0.1, 100.0], "gamma": [1e-3, 0.3]}
+    own = SVM(kernel=RBF(), search=points, folds=folds).fit(features, labels, stamps)
+    grid = {"C": [0.1, 100.0], "kernel__gamma": [1e-3, 0.3]}
+    ours = GridSearch(SVM(kernel=RBF()), grid, folds).fit(features, labels, stamps)
+    assert sorted(ours.search_["balanced_accuracy"]) == pytest.approx(
+        sorted(own.search_["balanced_accuracy"])
+    )
+
+
 def test_searches_parameters_of_scikit_learn(seen: Samples) -> None:
     features, labels = seen
     tried = (1e-9, 1e-1, 10.0)

@@ -76,7 +76,7 @@ def test_the_default_place_is_the_user_s_and_null_is_none(
     assert not (tmp_path / "xdg").exists()
     succeeds("train", *laser, "out=model")
     assert list((tmp_path / "xdg" / "placecue").rglob("*.npz"))
-    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("XDG_CACHE_HOME", "")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     told = succeeds("cache")
     assert told.out == f"{tmp_path}/home/.cache/placecue: 0.0 MB\n"

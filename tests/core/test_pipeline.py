@@ -163,3 +163,39 @@ def test_no_more_than_a_batch_is_held(fitted: Pipeline) -> None:
     before = held()
     most = max(held() for _ in fitted.beliefs(Walk(rounds=2, stay=5), batch=4))
     assert most - before <= 4 + 1
+
+
+class Without(Walk):
+    """A walk without one of the places."""
+
+    def at(self, number: int) -> Observation:
+        each = super().at(number)
+        return each.relabelled(None) if each.label == "lab" else each
+
+
+class Elsewhere(Walk):
+    """A walk in which one place is another."""
+
+    def at(self, number: int) -> Observation:
+        each = super().at(number)
+        return each.relabelled("stairs") if number % 9 == 0 else each
+
+
+def test_an_integration_log_must_have_every_class() -> None:
+    with pytest.raises(DataError, match="the integration log has no sample of lab"):
+        pipeline().fit(Walk(), integration=Without(seed=2))
+
+
+def test_a_class_of_the_integration_log_alone_is_left_out(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    fitted = pipeline().fit(Walk(), integration=Elsewhere(seed=2))
+    assert "36 samples of the integration log are left out: stairs is no class" in caplog.text
+    assert {belief.label for belief in fitted.beliefs(Walk(seed=1))} <= set(fitted.classes)
+
+
+def test_an_integration_log_without_a_use_is_said(caplog: pytest.LogCaptureFixture) -> None:
+    one = Pipeline({"beams": (Beams(), SVM(kernel=RBF(gamma=0.1)))})
+    one.fit(Walk(), integration=Walk(seed=2))
+    assert "the integration log is not used" in caplog.text
+    assert one.held_out_ is None

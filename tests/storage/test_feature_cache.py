@@ -248,7 +248,21 @@ def hostile(path: Path) -> None:
     np.savez(path, **arrays)
 
 
-@pytest.mark.parametrize("spoil", [cut, garbage, hostile])
+def encrypted(path: Path) -> None:
+    """Set the flag of encryption in the last entry of the archive's directory."""
+    data = bytearray(path.read_bytes())
+    data[data.rindex(b"PK\x01\x02") + 8] |= 1
+    path.write_bytes(bytes(data))
+
+
+def shortened(path: Path) -> None:
+    """Let the header of an array say that it is smaller, which NumPy believes."""
+    data = path.read_bytes()
+    shape = b"'shape': (64, 3)" if b"'shape': (64, 3)" in data else b"'shape': (64,)"
+    path.write_bytes(data.replace(shape, shape.replace(b"64", b"32")))
+
+
+@pytest.mark.parametrize("spoil", [cut, garbage, hostile, encrypted, shortened])
 def test_a_damaged_file_is_made_anew_and_never_run(
     spoil: Callable[[Path], None], tmp_path: Path
 ) -> None:
@@ -318,3 +332,93 @@ def test_a_run_trims_what_it_does_not_use(tmp_path: Path) -> None:
     assert [each.about["log"] for each in contents(tmp_path)] == ["walk 1"]
     extracted(tmp_path, Counting(), Walk(seed=1))
     assert CALLS["extract"] == 2 * SAMPLES
+
+
+class Named(Walk):
+    """A log whose digest is text, as a plugin's might be."""
+
+    def digest(self) -> str:
+        return f"../learned/simulated walk of a robot number {self.seed}"
+
+
+def test_digests_that_begin_alike_are_told_apart(tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    first, second = (extracted(cache, Counting(), Named(seed=seed)) for seed in (0, 1))
+    assert CALLS["extract"] == 2 * SAMPLES
+    assert not same(first, second)
+    assert [path.name for path in tmp_path.iterdir()] == ["cache"]
+
+
+def test_what_failed_in_reading_may_not_fail_again(tmp_path: Path) -> None:
+    class Unreadable(Walk):
+        broken = True
+
+        def at(self, number: int) -> Observation:
+            each = super().at(number)
+            if not self.broken or number % 4:
+                return each
+
+            def fails() -> np.ndarray:
+                raise UnusableObservation("Input/output error")
+
+            return Observation(each.stamp, image=fails, scan=each.scan, label=each.label)
+
+    def usable() -> int:
+        cue = Learning()
+        cue.learns, cue.center_ = False, np.zeros(3)  # type: ignore[misc]
+        return len(extracted(tmp_path, cue, Unreadable()))
+
+    assert usable() == SAMPLES * 3 // 4
+    Unreadable.broken = False
+    assert usable() == SAMPLES
+
+
+def test_each_log_is_written_when_the_next_begins(tmp_path: Path) -> None:
+    with FeatureCache(tmp_path, REGISTRY) as cache:
+        for seed in range(3):
+            log = cache.following(Walk(rounds=1, stay=5, seed=seed))
+            collect(log, {"cue": Counting()}, cache)
+            assert len(shards(tmp_path)) == seed
+    assert len(shards(tmp_path)) == 3
+
+
+def test_a_cue_changed_in_place_is_another(tmp_path: Path) -> None:
+    class Listed(Counting):
+        def __init__(self, factors: list[float]) -> None:
+            self.factors = factors
+
+        def extract(self, observation: Observation) -> object:
+            self.kind, self.factor = "dense", sum(self.factors)
+            return super().extract(observation)
+
+    with FeatureCache(tmp_path, REGISTRY) as cache:
+        log, cue = cache.following(Walk()), Listed([1.0])
+        first = collect(log, {"cue": cue}, cache).extracted["cue"].features
+        cue.factors.append(1.0)
+        second = collect(log, {"cue": cue}, cache).extracted["cue"].features
+    np.testing.assert_allclose(second, 2 * first)
+
+
+def test_a_cue_that_no_key_can_be_made_of_is_not_kept(tmp_path: Path) -> None:
+    cue = Counting(factor=1.0)
+    cue.kind = lambda: None  # type: ignore[assignment]
+    for _ in range(2):
+        extracted(tmp_path, cue)
+    assert CALLS["extract"] == 2 * SAMPLES
+    assert not shards(tmp_path)
+
+
+def test_runs_that_trim_side_by_side_do_not_fail(tmp_path: Path) -> None:
+    code = (
+        "import sys; from pathlib import Path; from placecue.storage.cache_folder import *\n"
+        "for number in range(400):\n"
+        "    folder = Path(sys.argv[1]) / str(number % 7) / f'cue-{number % 3}'\n"
+        "    describe(folder, {'log': 'a'}); trim(Path(sys.argv[1]), max_bytes=0)"
+    )
+    words = [sys.executable, "-c", code, str(tmp_path)]
+    running = [subprocess.Popen(words, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    for each in running:
+        told = each.communicate()[1]
+        # Writing into a folder that was just removed is answered; nothing else may go wrong.
+        assert each.returncode == 0 or "PlacecueError" in told or "cannot write" in told, told
+        assert "scandir" not in told

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import os
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -9,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from placecue.discovery.manager import Plugins
 from placecue.errors import UsageError
+
+log = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
     from placecue.extraction import Extraction
@@ -55,7 +59,17 @@ def cache_of(config: Mapping[str, Any]) -> tuple[Path | None, float | None]:
     folder, max_size = cache.get("folder"), cache.get("max_size")
     if folder is not None and not isinstance(folder, str):
         raise UsageError(f"cache.folder must be a path or null, got {folder!r}")
-    return Path(folder).expanduser() if folder else None, at_least_0(max_size, "cache.max_size")
+    return _path(folder) if folder else None, at_least_0(max_size, "cache.max_size")
+
+
+def _path(folder: str) -> Path | None:
+    if folder == "default":
+        folder = os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "placecue")  # noqa: PTH118
+    try:
+        return Path(folder).expanduser()
+    except RuntimeError:  # a user without a home
+        log.warning(f"features are not kept: {folder} cannot be found; give cache.folder=PATH")
+        return None
 
 
 def at_least_0(value: Any, name: str) -> float | None:

@@ -50,9 +50,10 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
             integration = open_source(
                 config, plugins, "integration_log", parts, pipeline.extraction
             )
-            logs += single_logs(integration)
         made(out)
         pipeline.fit(log, integration, reliability=True)
+    if integration is not None and pipeline.held_out_ is not None:
+        logs += single_logs(integration)
     save_model(pipeline, out, plugins.registry, trained_on=logs, config=config)
     # Last, so that nothing that goes wrong with a picture loses the model.
     return pipeline, write_training_report(pipeline, out)

@@ -44,7 +44,7 @@ class Kept:
     @property
     def samples(self) -> int:
         """The number of observations."""
-        return sum(shard.count(path) for path in self.folder.glob("*.npz"))
+        return sum(shard.count(path) for path in self.folder.glob("[0-9]*.npz"))
 
 
 def describe(folder: Path, about: Mapping[str, Any]) -> None:
@@ -67,7 +67,7 @@ def touch(folder: Path) -> None:
 
 def contents(cache: Path) -> list[Kept]:
     """Return what is in a cache, last used first; what placecue did not put there is left out."""
-    found = (_kept(path.parent) for path in cache.glob(f"*/*/{ABOUT}"))
+    found = (_kept(folder) for log in _folders(cache) for folder in _folders(log))
     return sorted((each for each in found if each is not None), key=lambda each: -each.used)
 
 
@@ -104,12 +104,22 @@ def _kept(folder: Path) -> Kept | None:
     try:
         about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         used = (folder / ABOUT).stat().st_mtime
+        paths = list(folder.iterdir())
     except (OSError, ValueError):
         return None
     if not isinstance(about, dict) or about.get("format") != FORMAT:
         return None
     size = 0
-    for path in folder.iterdir():
+    for path in paths:
         with suppress(OSError):  # gone meanwhile
             size += path.stat().st_size
     return Kept(folder, about, size, used)
+
+
+def _folders(path: Path) -> list[Path]:
+    """Return the folders in a folder; none where another run has just removed it."""
+    try:
+        with os.scandir(path) as entries:
+            return [Path(each.path) for each in entries if each.is_dir()]
+    except OSError:
+        return []

@@ -12,8 +12,10 @@ import hashlib
 import json
 import logging
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from inspect import signature
 from pathlib import Path
+from pickle import PicklingError
 from types import TracebackType
 from typing import Any, Self
 
@@ -27,10 +29,11 @@ from placecue.extraction import AnyCue, Extraction
 from placecue.features import FeatureBatch, Features, single, stack
 from placecue.observation import Observation, Origin
 from placecue.source import Source
-from placecue.storage import cache_folder, shard
+from placecue.storage import cache_folder
+from placecue.storage.arrays import read_arrays
 from placecue.storage.atomic import replacing
 from placecue.storage.cached_log import CachedLog
-from placecue.storage.shard import DAMAGE, Entry, Shard
+from placecue.storage.shard import SIZE, Entry, Shard
 from placecue.storage.state import Decoder, Encoder, learned
 
 log = logging.getLogger(__name__)
@@ -63,6 +66,7 @@ class FeatureCache(Extraction):
         self._shards: dict[Path, Shard] = {}
         self._about: dict[Path, Mapping[str, Any]] = {}
         self._writable = True
+        self._log = ""
 
     def __enter__(self) -> Self:
         return self
@@ -73,11 +77,10 @@ class FeatureCache(Extraction):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        for folder in list(self._shards):
-            self._save(folder)
-        self._shards.clear()
+        self._save_all()
         if self.max_size is not None and self._writable:
-            cache_folder.trim(self.folder, self.max_size * _GIGA)
+            with suppress(OSError):  # another run may be trimming too
+                cache_folder.trim(self.folder, self.max_size * _GIGA)
 
     # ------------------------------------------------------------------ what Extraction promises
 
@@ -91,6 +94,8 @@ class FeatureCache(Extraction):
         if entry is not None:
             return entry.get()
         observation.require(cue.requires)
+        if "image" in cue.requires:
+            _ = observation.image  # what fails here may not fail next time, and is not kept
         try:
             features = cue.features(observation)
         except UnusableObservation as error:
@@ -128,6 +133,8 @@ class FeatureCache(Extraction):
         if any(origin is None for origin in origins):
             return cue.fit(observations, labels)
         seen = _digest([list(map(list, filter(None, origins))), np.asarray(labels).tolist()])
+        if self._keys(cue, "") is None:
+            return cue.fit(observations, labels)
         about = {**self._keys.about(cue), "log": f"{len(origins)} samples", "seen": seen}
         folder = self.folder / LEARNED / f"{about['cue']}-{_digest(about)}"
         if self._restored(cue, folder / "state.npz"):
@@ -142,21 +149,32 @@ class FeatureCache(Extraction):
     def _kept(self, cue: Cue, observation: Observation) -> Entry | None:
         if observation.origin is None:
             return None
-        entry = self._shard(cue, observation.origin).entries.get(observation.origin.number)
+        shard = self._shard(cue, observation.origin)
+        entry = None if shard is None else shard.entries.get(observation.origin.number)
         return entry if entry is not None and entry.stamp == observation.stamp else None
 
     def _keep(
         self, cue: Cue, observation: Observation, features: Features | None, reason: str = ""
     ) -> None:
-        if observation.origin is not None:
+        shard = observation.origin and self._shard(cue, observation.origin)
+        if shard and observation.origin is not None:
             entry = Entry(observation.stamp, features, reason)
-            self._shard(cue, observation.origin).keep(observation.origin.number, entry)
+            shard.keep(observation.origin.number, entry)
 
-    def _shard(self, cue: Cue, origin: Origin) -> Shard:
-        """Return the file that an observation belongs to; of each log and cue one is open."""
-        name, key = self._keys(cue, origin.altered)
-        folder = self.folder / origin.log[:24] / f"{name}-{key}"
-        path = folder / f"{origin.number // shard.SIZE:06d}.npz"
+    def _shard(self, cue: Cue, origin: Origin) -> Shard | None:
+        """Return the file that an observation belongs to, of the log at hand one a cue is open.
+
+        None if a parameter of the cue is nothing that a key can be made of.
+        """
+        if origin.log != self._log:
+            self._save_all()
+            self._log = origin.log
+        named = self._keys(cue, origin.altered)
+        if named is None:
+            return None
+        name, key = named
+        folder = self.folder / _digest(origin.log) / f"{name}-{key}"
+        path = folder / f"{origin.number // SIZE:06d}.npz"
         current = self._shards.get(folder)
         if current is not None and current.path == path:
             return current
@@ -169,6 +187,11 @@ class FeatureCache(Extraction):
         return self._shards[folder]
 
     # ------------------------------------------------------------------ writing
+
+    def _save_all(self) -> None:
+        for folder in list(self._shards):
+            self._save(folder)
+        self._shards.clear()
 
     def _save(self, folder: Path) -> None:
         current = self._shards.get(folder)
@@ -195,11 +218,10 @@ class FeatureCache(Extraction):
 
     def _restored(self, cue: Cue, path: Path) -> bool:
         try:
-            with np.load(path, allow_pickle=False) as file:
-                arrays = dict(file)
+            arrays = read_arrays(path)
             state = json.loads(str(arrays.pop("state")))
             Decoder(self.registry, arrays).restore(cue, state)
-        except (*DAMAGE, AttributeError, PlacecueError):
+        except Exception:  # damage has many names; what cannot be read is learned again
             return False
         return True
 
@@ -218,16 +240,23 @@ class _Keys:
 
     def __init__(self, registry: Registry) -> None:
         self.registry = registry
-        self._known: dict[tuple[int, str], tuple[Cue, dict[str, Any], tuple[str, str]]] = {}
+        self._known: dict[tuple[int, str], tuple[Cue, str, dict[str, Any], tuple[str, str]]] = {}
 
-    def __call__(self, cue: Cue, altered: str) -> tuple[str, str]:
-        """Return the name of a cue, and a digest of all that its features depend on."""
-        known = self._known.get((id(cue), altered))
-        if known is not None and known[0] is cue and _same(known[1], vars(cue)):
-            return known[2]
-        about = {**self.about(cue), "altered": altered, "learned": joblib.hash(learned(cue))}
-        found = (about["cue"], _digest(about))
-        self._known[id(cue), altered] = (cue, dict(vars(cue)), found)
+    def __call__(self, cue: Cue, altered: str) -> tuple[str, str] | None:
+        """Return the name of a cue, and a digest of all that its features depend on.
+
+        None if a parameter is nothing that a digest can be made of, such as a function.
+        """
+        try:
+            parameters = _json(_plain_parameters(cue))
+        except (PicklingError, TypeError, AttributeError):
+            return None
+        known, state = self._known.get((id(cue), altered)), learned(cue)
+        if known is not None and known[:2] == (cue, parameters) and _same(known[2], state):
+            return known[3]
+        about = {**self.about(cue), "altered": altered, "learned": joblib.hash(state)}
+        found = (about["cue"], _digest([about, parameters]))
+        self._known[id(cue), altered] = (cue, parameters, state, found)
         return found
 
     def about(self, cue: Cue) -> dict[str, Any]:
@@ -244,6 +273,12 @@ class _Keys:
             "parameters": parameters,
             "changed": {n: value for n, value in parameters.items() if value != usual.get(n)},
         }
+
+
+def _plain_parameters(cue: Cue) -> dict[str, Any]:
+    """Return the parameters of a cue, and of components in it by their places."""
+    deep: dict[str, Any] = cue.get_params()
+    return {name: value for name, value in deep.items() if not hasattr(value, "get_params")}
 
 
 def _same(before: Mapping[str, Any], now: Mapping[str, Any]) -> bool:

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import json
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from placecue.errors import UnusableObservation
 from placecue.features import Features, single, stack
-from placecue.storage.arrays import from_parts, parts_of
+from placecue.storage.arrays import from_parts, parts_of, read_arrays
 from placecue.storage.atomic import replacing
 
 #: Observations to a file: few enough that a killed run loses a second or so of work.
 SIZE = 64
-#: What reading a file may raise that is cut, damaged or no such file.
-DAMAGE = (OSError, EOFError, ValueError, KeyError, TypeError, IndexError, BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +46,8 @@ class Entry:
         """
         if self.features is None:
             raise UnusableObservation(self.reason)
-        return self.features
+        # A copy: the shard's arrays may then go, and nobody writes into them.
+        return self.features.copy()
 
 
 class Shard:
@@ -107,14 +104,13 @@ def count(path: Path) -> int:
     try:
         with np.load(path, allow_pickle=False) as arrays:
             return len(arrays["numbers"])
-    except DAMAGE:
+    except Exception:  # damage has many names
         return 0
 
 
 def _read(path: Path) -> dict[int, Entry]:
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = dict(file)
+        arrays = read_arrays(path)
         what = json.loads(str(arrays["what"]))
         parts = {k.removeprefix("features."): v for k, v in arrays.items() if "features." in k}
         batch = from_parts(what, parts) if what else None
@@ -130,5 +126,5 @@ def _read(path: Path) -> dict[int, Entry]:
                 row += 1
             entries[number] = Entry(stamp, features, reason)
         return entries
-    except DAMAGE:
+    except Exception:  # damage has many names; what cannot be read is extracted again
         return {}

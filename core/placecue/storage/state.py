@@ -74,6 +74,11 @@ class Encoder:
             items = [self.encode(item, f"{where}.{i}") for i, item in enumerate(value)]
             return items if isinstance(value, list) else {"@": "tuple", "items": items}
         if isinstance(value, Mapping):
+            if not all(isinstance(key, str) for key in value):
+                raise UsageError(
+                    f"{where} is a mapping with keys that are no text, which a model folder "
+                    "cannot hold: keep learned state under names"
+                )
             items_of = {str(k): self.encode(v, f"{where}.{k}") for k, v in value.items()}
             return {"@": "mapping", "items": items_of}
         if isinstance(value, Layout):

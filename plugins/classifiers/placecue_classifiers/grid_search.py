@@ -82,7 +82,8 @@ class GridSearch(Classifier):
         self.search_: dict[str, list[Any]] = {name: [] for name in (*points[0], SCORE)}
         for point in track(points, "searching parameters"):
             found = [self._predicted(point, features, given, times, split) for split in splits]
-            accuracy = recall_score(truth, np.concatenate(found), average="macro", zero_division=0)
+            predicted = np.concatenate(found)
+            accuracy = recall_score(truth, predicted, labels=np.unique(truth), average="macro")
             for name, value in {**point, SCORE: float(accuracy)}.items():
                 self.search_[name].append(value)
         self.chosen_ = best_of(self.search_)

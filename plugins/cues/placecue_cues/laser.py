@@ -194,7 +194,7 @@ class LaserGeometry(Cue):
 
 
 def _scaled(observation: Observation, scale: float) -> Observation:
-    return observation.altered(f"scaled by {scale:g}", scan=_scan(observation).scaled(scale))
+    return observation.altered(f"scaled by {scale!r}", scan=_scan(observation).scaled(scale))
 
 
 def _scan(observation: Observation) -> LaserScan:

@@ -139,6 +139,8 @@ class Match(DistanceKernel):
         self.check(a, b)
         if b is not None:
             check_same_width(a, b)
+        if self.n_jobs == 0:
+            raise UsageError("match needs n_jobs above 0, -1 for every core, or null, got 0")
         if not (self.gamma > 0 and self.memory >= 0):
             raise UsageError(
                 f"match needs gamma > 0 and memory >= 0 GB, got {self.gamma} and {self.memory}"
@@ -180,8 +182,12 @@ class Match(DistanceKernel):
             queue = ((one, iter(listed[job::n_jobs])) for job in range(n_jobs))
         # Not joblib, whose threads take longer to start than one image takes to match.
         with _blas().limit(limits=1), ThreadPoolExecutor(n_jobs) as threads:
-            for done in [threads.submit(match, *each) for each in queue]:
-                done.result()
+            try:
+                for done in [threads.submit(match, *each) for each in queue]:
+                    done.result()
+            except BaseException:
+                threads.shutdown(wait=False, cancel_futures=True)
+                raise
 
     def _threads(self) -> int:
         n_jobs: int = joblib.effective_n_jobs(self.n_jobs)

@@ -228,17 +228,7 @@ class Pipeline:
                     "'unknown' nor probabilities are asked for"
                 )
             return self
-        unseen = samples
-        if integration is None:
-            evidence, rows = self._out_of_fold(samples)
-        else:
-            unseen = self._collect(integration)
-            self._check_names(unseen)
-            evidence, rows = self._scored(unseen), np.arange(len(unseen))
-        every = HeldOut(evidence, unseen.labels[rows], unseen.stamps[rows])
-        held_out, foreign = every.parted(self.classes)
-        if integration is not None:
-            self._check_integration(held_out, foreign)
+        held_out, foreign = self._held_out(samples, integration)
         self.integrator.fit(held_out.evidence, held_out.labels, held_out.stamps)
         if self.unknown is not None:
             rate = self.unknown.false_accept_rate
@@ -275,6 +265,20 @@ class Pipeline:
             )
         rows = scored_rows(scores)
         return StoredEvidence({name: of_cue[rows] for name, of_cue in scores.items()}), rows
+
+    def _held_out(
+        self, samples: Samples, integration: Iterable[Observation] | None
+    ) -> tuple[HeldOut, HeldOut | None]:
+        """Return what the single-cue models have not seen, and samples of other places, if any."""
+        if integration is None:
+            evidence, rows = self._out_of_fold(samples)
+            return HeldOut(evidence, samples.labels[rows], samples.stamps[rows]), None
+        unseen = self._collect(integration)
+        self._check_names(unseen)
+        every = HeldOut(self._scored(unseen), unseen.labels, unseen.stamps)
+        held_out, foreign = every.parted(self.classes)
+        self._check_integration(held_out, foreign)
+        return held_out, foreign
 
     def _check_integration(self, unseen: HeldOut, foreign: HeldOut | None) -> None:
         missing = set(self.classes) - set(unseen.labels.tolist())

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from placecue.label_map import LabelMap
 from placecue.observation import Observation
 from placecue.rooms import Rooms
-from placecue.source import Source
+from placecue.source import Source, Wrapped
 
 log = logging.getLogger(__name__)
 
 
-class Relabelled(Source):
+class Relabelled(Wrapped):
     """A source whose observations get other labels. All else stays as it is, undecoded.
 
     Parameters
@@ -31,17 +31,10 @@ class Relabelled(Source):
     def __init__(
         self, source: Source, rooms: Rooms | None = None, label_map: LabelMap | None = None
     ) -> None:
-        self.source = source
+        super().__init__(source)
         self.rooms = rooms
         self.label_map = label_map
-        self.name = source.name
-        self.camera = source.camera
         self._told = False
-
-    @property
-    def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
-        """Conditions of the recording."""
-        return self.source.metadata
 
     def __iter__(self) -> Iterator[Observation]:
         """Yield the observations, relabelled.
@@ -77,9 +70,6 @@ class Relabelled(Source):
         ]
         names = self.label_map and (sorted(self.label_map.names.items()), self.label_map.unmapped)
         return hashlib.sha256(f"{self.source.digest()} {rooms} {names}".encode()).hexdigest()
-
-    def count(self) -> int | None:  # noqa: D102
-        return self.source.count()
 
     def _tell(self, total: int, frames: set[str]) -> None:
         if not self._told:

@@ -50,6 +50,29 @@ class Source(ABC):
         return NotImplemented if count is None else count
 
 
+class Wrapped(Source):
+    """A source in another, which changes its observations and nothing that is said of it.
+
+    Parameters
+    ----------
+    source : Source
+        Where observations come from.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.name = source.name
+        self.camera = source.camera
+
+    @property
+    def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
+        """Conditions of the recording."""
+        return self.source.metadata
+
+    def count(self) -> int | None:  # noqa: D102
+        return self.source.count()
+
+
 class Chain(Source):
     """Several sources, one after the other.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -115,3 +116,5 @@ def test_settings_that_cannot_be(word: str, said: str, log_a: Path) -> None:
 
 def test_no_cache_at_all(log_a: Path) -> None:
     succeeds("train", "cue=laser", "integrator=none", f"log={log_a}", "cache=null", "out=model")
+    assert (Path("model") / "manifest.json").exists()
+    assert not list(Path(os.environ["PLACECUE_CACHE"]).iterdir())

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from placecue.discovery.manager import Plugins
 from placecue.errors import UsageError
 
-log = logging.getLogger(__name__)
-
 if TYPE_CHECKING:
     from placecue.extraction import Extraction
+
+log = logging.getLogger(__name__)
 
 
 def extraction_of(

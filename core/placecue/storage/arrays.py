@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 from zipfile import BadZipFile, ZipFile
 
 import numpy as np
@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from placecue.features import DescriptorSets
+from placecue.storage.atomic import replacing
 
 Parts = dict[str, NDArray[Any]]
+#: What :func:`parts_of` takes apart, by the names it gives them.
+KINDS = ("array", "csr", "descriptors")
 #: Kinds of numpy data that are kept: numbers, truth values and text; no objects.
 _PLAIN = "biufUSM"
 
@@ -35,6 +38,13 @@ def parts_of(value: Any) -> tuple[dict[str, Any], Parts] | None:
     if isinstance(value, np.ndarray) and value.dtype.kind in _PLAIN:
         return {"@": "array"}, {"value": value}
     return None
+
+
+def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> Path:
+    """Write an .npz file, whole or not at all, without pickle."""
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, allow_pickle=False, **cast(Any, arrays))
+    return path
 
 
 def read_arrays(path: Path) -> Parts:

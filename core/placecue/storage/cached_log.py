@@ -2,31 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cached_property
 
 from placecue.observation import Observation, Origin
-from placecue.source import Source
+from placecue.source import Wrapped
 
 
-class CachedLog(Source):
-    """A source, unchanged but for the origin of each observation.
-
-    Parameters
-    ----------
-    source : Source
-        Where observations come from.
-    """
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self.name = source.name
-        self.camera = source.camera
-
-    @property
-    def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
-        """Conditions of the recording."""
-        return self.source.metadata
+class CachedLog(Wrapped):
+    """A source, unchanged but for the origin of each observation."""
 
     def __iter__(self) -> Iterator[Observation]:
         digest = self.digest()
@@ -39,6 +23,3 @@ class CachedLog(Source):
     @cached_property
     def _digest(self) -> str:
         return self.source.digest()
-
-    def count(self) -> int | None:  # noqa: D102
-        return self.source.count()

@@ -30,8 +30,7 @@ from placecue.features import FeatureBatch, Features, single, stack
 from placecue.observation import Observation, Origin
 from placecue.source import Source
 from placecue.storage import cache_folder
-from placecue.storage.arrays import read_arrays
-from placecue.storage.atomic import replacing
+from placecue.storage.arrays import read_arrays, write_arrays
 from placecue.storage.cached_log import CachedLog
 from placecue.storage.shard import SIZE, Entry, Shard
 from placecue.storage.state import Decoder, Encoder, learned
@@ -211,8 +210,7 @@ class FeatureCache(Extraction):
             return  # learned something that cannot be kept
         try:
             cache_folder.describe(folder, about)
-            with replacing(folder / "state.npz") as temporary, temporary.open("wb") as file:
-                np.savez(file, allow_pickle=False, state=np.array(state), **encoder.arrays)
+            write_arrays(folder / "state.npz", {"state": np.array(state), **encoder.arrays})
         except PlacecueError as error:
             self._give_up(error)
 

@@ -29,7 +29,8 @@ from placecue.errors import DataError, PlacecueError, PluginError
 from placecue.pipeline import Pipeline
 from placecue.rejection import Rejection
 from placecue.source import Source
-from placecue.storage.atomic import made, replacing, write_json, write_text
+from placecue.storage.arrays import write_arrays
+from placecue.storage.atomic import made, write_json, write_text
 from placecue.storage.state import Decoder, Encoder
 
 FORMAT = "placecue/model"
@@ -84,8 +85,7 @@ def save_model(
     (folder / MANIFEST).unlink(missing_ok=True)
     write_text(folder / CONFIG, _as_yaml(config or composition))
     write_json(folder / STATE, state)
-    with replacing(folder / ARRAYS) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, **cast(Any, encoder.arrays))
+    write_arrays(folder / ARRAYS, encoder.arrays)
     manifest = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,

@@ -11,8 +11,7 @@ import numpy as np
 
 from placecue.errors import UnusableObservation
 from placecue.features import Features, single, stack
-from placecue.storage.arrays import from_parts, parts_of, read_arrays
-from placecue.storage.atomic import replacing
+from placecue.storage.arrays import from_parts, parts_of, read_arrays, write_arrays
 
 #: Observations to a file: few enough that a killed run loses a second or so of work.
 SIZE = 64
@@ -94,8 +93,7 @@ class Shard:
                 return  # features of a kind that cannot be kept
             what, parts = taken_apart
             arrays |= {f"features.{name}": array for name, array in parts.items()}
-        with replacing(self.path) as temporary, temporary.open("wb") as file:
-            np.savez(file, allow_pickle=False, what=np.array(json.dumps(what)), **arrays)
+        write_arrays(self.path, {"what": np.array(json.dumps(what)), **arrays})
         self.changed = False
 
 

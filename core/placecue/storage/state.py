@@ -19,7 +19,7 @@ from placecue.discovery.registry import Registry
 from placecue.errors import DataError, UsageError
 from placecue.scaling import SCALINGS, Scaling
 from placecue.scores import Layout, layout_from_json
-from placecue.storage.arrays import from_parts, parts_of
+from placecue.storage.arrays import KINDS, from_parts, parts_of
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -79,7 +79,7 @@ class Encoder:
                     f"{where} is a mapping with keys that are no text, which a model folder "
                     "cannot hold: keep learned state under names"
                 )
-            items_of = {str(k): self.encode(v, f"{where}.{k}") for k, v in value.items()}
+            items_of = {k: self.encode(v, f"{where}.{k}") for k, v in value.items()}
             return {"@": "mapping", "items": items_of}
         if isinstance(value, Layout):
             return {"@": "layout", "value": value.to_json()}
@@ -161,7 +161,7 @@ class Decoder:
         return component
 
     def _array(self, kind: Any, value: Mapping[str, Any]) -> Any:
-        if kind not in ("array", "csr", "descriptors"):
+        if kind not in KINDS:
             raise DataError(f"the model holds a value of unknown kind {kind!r}")
         names = {part: name for part, name in value.items() if isinstance(name, str)}
         return from_parts(value, {p: self.arrays[n] for p, n in names.items() if p != "@"})

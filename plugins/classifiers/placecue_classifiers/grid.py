@@ -50,8 +50,7 @@ class Grid:
                     f"search cannot vary '{name}' of this SVM and kernel; {choices(name, known)}; "
                     f"take it out with ~...search.{name}"
                 )
-            if isinstance(tried, str) or not isinstance(tried, Sequence) or not tried:
-                raise UsageError(f"search.{name} must be a list of values to try, got {tried!r}")
+            check_listed(name, tried)
             if name in ("C", "gamma", "kernel__gamma") and not all(_positive(v) for v in tried):
                 raise UsageError(f"search.{name} must list values above 0, got {list(tried)}")
         named = {"gamma" if n == "kernel__gamma" else n: list(v) for n, v in values.items()}
@@ -77,9 +76,19 @@ class Grid:
         return list(self._product(n for n in OF_MACHINES if n in self.values))
 
     def _product(self, names: Iterator[str]) -> Iterator[Setting]:
-        listed = list(names)
-        for values in product(*(self.values[name] for name in listed)):
-            yield dict(zip(listed, values, strict=True))
+        return settings({name: self.values[name] for name in names})
+
+
+def settings(values: Mapping[str, Sequence[Any]]) -> Iterator[Setting]:
+    """Yield every combination of values, the last parameter varying fastest."""
+    for each in product(*values.values()):
+        yield dict(zip(values, each, strict=True))
+
+
+def check_listed(name: str, tried: Any) -> None:
+    """Raise UsageError unless the values to try are a list of some."""
+    if isinstance(tried, str) or not isinstance(tried, Sequence) or not tried:
+        raise UsageError(f"search.{name} must be a list of values to try, got {tried!r}")
 
 
 def _positive(value: Any) -> bool:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import product
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
-from sklearn.metrics import recall_score
 
 from placecue.classifier import Classifier
 from placecue.errors import UsageError, choices
@@ -18,7 +16,8 @@ from placecue.folds import Rows, fold_scheme
 from placecue.progress import track
 from placecue.scores import Scores
 
-from .search import SCORE, best_of
+from .grid import Setting, check_listed, settings
+from .search import SCORE, balanced_accuracy, best_of
 
 
 class GridSearch(Classifier):
@@ -82,9 +81,8 @@ class GridSearch(Classifier):
         self.search_: dict[str, list[Any]] = {name: [] for name in (*points[0], SCORE)}
         for point in track(points, "searching parameters"):
             found = [self._predicted(point, features, given, times, split) for split in splits]
-            predicted = np.concatenate(found)
-            accuracy = recall_score(truth, predicted, labels=np.unique(truth), average="macro")
-            for name, value in {**point, SCORE: float(accuracy)}.items():
+            accuracy = balanced_accuracy(truth, np.concatenate(found))
+            for name, value in {**point, SCORE: accuracy}.items():
                 self.search_[name].append(value)
         self.chosen_ = best_of(self.search_)
         self.classifier_ = self._with(self.chosen_).fit(features, given, times)
@@ -110,7 +108,7 @@ class GridSearch(Classifier):
         """Yield held-out rows with the scores of copies of the trained classifier."""
         return self.classifier_.out_of_fold(features, labels, stamps, splits)
 
-    def _points(self) -> list[dict[str, Any]]:
+    def _points(self) -> list[Setting]:
         if self.classifier is None or not self.search:
             raise UsageError(
                 "grid_search needs a classifier and what to search, such as search={rounds: "
@@ -120,11 +118,8 @@ class GridSearch(Classifier):
         for name, tried in self.search.items():
             if name not in known:
                 raise UsageError(f"search cannot vary '{name}'; {choices(name, known)}")
-            if isinstance(tried, str) or not isinstance(tried, Sequence) or not tried:
-                raise UsageError(f"search.{name} must be a list of values to try, got {tried!r}")
-        return [
-            dict(zip(self.search, each, strict=True)) for each in product(*self.search.values())
-        ]
+            check_listed(name, tried)
+        return list(settings(self.search))
 
     def _with(self, point: Mapping[str, Any]) -> Classifier:
         copy: Classifier = clone(self.classifier).set_params(**point)

@@ -86,9 +86,14 @@ def search(
             for name, value in {**setting, "gamma": gamma, **of_machines}.items():
                 if name in table:
                     table[name].append(value)
-            recalls = recall_score(truth, column, labels=np.unique(truth), average=None)
-            table[SCORE].append(float(np.mean(recalls)))
+            table[SCORE].append(balanced_accuracy(truth, column))
     return table
+
+
+def balanced_accuracy(truth: NDArray[Any], predicted: NDArray[Any]) -> float:
+    """Return the mean recall of the classes that occur in ``truth``."""
+    recalls = recall_score(truth, predicted, labels=np.unique(truth), average=None)
+    return float(np.mean(recalls))
 
 
 def best_of(table: Table) -> Setting:

@@ -202,11 +202,9 @@ class SVM(Classifier):
             return
         gram, codes = prepared.gram(), svm.learn_classes(labels)
         for training, held_out in splits:
-            block, of_fold = gram[np.ix_(training, training)], codes[training]
-            machines = svm.machines(block, of_fold, svm.class_names)
-            values = machines.decide(gram[np.ix_(held_out, training)])
+            layout, values = svm._held_out(gram, codes, svm.class_names, training, held_out)
             if svm.probability is not None:
-                layout = svm.machine_layout(svm.class_names, machines, block, of_fold)
+                block, of_fold = gram[np.ix_(training, training)], codes[training]
                 inner = svm._splits(of_fold, None if stamps is None else stamps[training])
                 calibrators = svm.calibrated(block, of_fold, svm.class_names, inner)
                 values = calibration.probabilities(svm.probability, calibrators, layout, values)
@@ -260,10 +258,7 @@ class SVM(Classifier):
         """Learn probabilities from the outputs for held-out rows of an (n, n) Gram matrix."""
         learned_from = []
         for training, held_out in track(splits, "calibrating"):
-            block = gram[np.ix_(training, training)]
-            machines = self.machines(block, codes[training], names)
-            layout = self.machine_layout(names, machines, block, codes[training])
-            values = machines.decide(gram[np.ix_(held_out, training)])
+            layout, values = self._held_out(gram, codes, names, training, held_out)
             if isinstance(layout, ModifiedOneAgainstAll):
                 # Each fold has means of its own: what counts is the distance from them.
                 values = values - np.asarray(layout.class_means)
@@ -274,6 +269,20 @@ class SVM(Classifier):
         return calibration.calibrators(str(self.probability), layout, values, truth)
 
     # ------------------------------------------------------------------ privately
+
+    def _held_out(
+        self,
+        gram: Gram,
+        codes: NDArray[np.int64],
+        names: Sequence[str],
+        training: Rows,
+        held_out: Rows,
+    ) -> tuple[Layout, NDArray[np.float64]]:
+        """Return the outputs for held-out rows of machines trained on others, and their layout."""
+        block, of_block = gram[np.ix_(training, training)], codes[training]
+        machines = self.machines(block, of_block, names)
+        layout = self.machine_layout(names, machines, block, of_block)
+        return layout, machines.decide(gram[np.ix_(held_out, training)])
 
     def _search(
         self, prepare: Preparations, codes: NDArray[np.int64], splits: Sequence[tuple[Rows, Rows]]

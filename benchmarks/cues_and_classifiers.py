@@ -27,6 +27,7 @@ from cues_and_classifiers_plan import EXTENSIONS, PARTS, ROWS, TRIED, Part, Row
 from cues_and_classifiers_results import Cell, Results
 from hydra import compose, initialize_config_module
 from numpy.typing import NDArray
+from sklearn.base import clone
 
 from placecue import Cue, Observation
 from placecue.classifier import Classifier
@@ -35,7 +36,7 @@ from placecue.config import build, plain
 from placecue.discovery.manager import load_plugins
 from placecue.discovery.options import register_with_hydra
 from placecue.errors import PlacecueError
-from placecue.folds import fold_scheme
+from placecue.folds import Rows, fold_scheme
 from placecue.samples import CueSamples
 
 PAGE = Path(__file__).parents[1] / "docs" / "cues_and_classifiers.md"
@@ -84,6 +85,30 @@ class Log:
         """Return the features of observations, and of their altered copies for training."""
         altered = [cue.transform(map(alter, self.fresh(rows))) for alter in cue.alterations()]
         return CueSamples(cue.transform(self.fresh(rows)), tuple(altered))
+
+
+class LearnedFeatures:
+    """The features of some observations by copies of a cue that learns; remembers each.
+
+    Parameters
+    ----------
+    log : Log
+    cue : Cue
+    rows : ndarray of int64, shape (n,)
+        The observations.
+    """
+
+    def __init__(self, log: Log, cue: Cue, rows: Rows) -> None:
+        self.log, self.cue, self.rows = log, cue, rows
+        self.known: dict[bytes, CueSamples] = {}
+
+    def __call__(self, learned_from: Rows) -> CueSamples:
+        """Return the features by a copy that has learned from the given ones of the rows."""
+        key = learned_from.tobytes()
+        if key not in self.known:
+            copy: Cue = clone(self.cue).fit(self.log.fresh(self.rows[learned_from]))
+            self.known[key] = self.log.samples(copy, self.rows)
+        return self.known[key]
 
 
 class Bench:
@@ -140,17 +165,17 @@ class Bench:
         rows = np.flatnonzero([classes is None or label in classes for label in log.labels])
         scheme = fold_scheme({"scheme": part.scheme, "n_folds": part.outer})
         training, held_out = list(scheme.split(log.labels[rows], log.stamps[rows]))[number]
-        cue, grams = components(config)[0], self.grams
+        cue, truth = components(config)[0], log.labels[rows[held_out]]
         if cue.learns:
-            cue.fit(log.fresh(rows[training]))
-            samples, grams = log.samples(cue, rows), {}
-            fold = Fold(samples, log.labels[rows], log.stamps[rows], training, held_out, grams)
+            learned = LearnedFeatures(log, cue, rows)
+            times = log.labels[rows], log.stamps[rows]
+            fold = Fold(learned(training), *times, training, held_out, {}, learned)
         else:
             if self.samples is None:
                 self.samples = log.samples(cue, range(len(log.labels)))
             places = rows[training], rows[held_out]
-            fold = Fold(self.samples, log.labels, log.stamps, *places, grams)
-        return fold, log.labels[rows][held_out]
+            fold = Fold(self.samples, log.labels, log.stamps, *places, self.grams)
+        return fold, truth
 
     def _log(self, part: str, config: Config) -> Log:
         """Return the log of a part and its source's config, the last one from memory."""

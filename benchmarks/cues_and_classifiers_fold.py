@@ -15,7 +15,8 @@ from placecue.classifier import Classifier
 from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
 from placecue.folds import Rows
 from placecue.kernel import DistanceKernel, Gram
-from placecue.samples import CueSamples
+from placecue.samples import CueSamples, LearnedFrom
+from placecue.training import train
 from placecue_classifiers.search import SCORE, best_of
 from placecue_classifiers.svm import SVM
 
@@ -63,6 +64,8 @@ class Fold:
         Which of them to learn from and to tell.
     grams : dict of str to Grams
         By the kernel's name, for kernels that learn nothing; folds of the same samples share it.
+    learned_from : callable, optional
+        Of a cue that learns: what gives the features by a copy that has learned from given rows.
     """
 
     samples: CueSamples
@@ -71,6 +74,7 @@ class Fold:
     training: Rows
     held_out: Rows
     grams: dict[str, Grams]
+    learned_from: LearnedFrom | None = None
     found: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def outcome(self, classifier: Classifier, column: str) -> dict[str, Any]:
@@ -80,14 +84,15 @@ class Fold:
             classifier, samples = self._looked_up(classifier)
             told = self._search(classifier, samples, column)
             classifier = classifier.with_setting(told["chosen"]).set_params(search=None)
-        classifier.fit(*samples.training(self.labels, self.stamps, self.training))
+        train(classifier, samples, self.labels, self.stamps, self.training, self.learned_from)
         predicted = classifier.scores(take(samples.features, self.held_out)).decide().labels
         return {"predicted": np.asarray(predicted).tolist(), **told}
 
     def _looked_up(self, svm: SVM) -> tuple[SVM, CueSamples]:
         """Return an SVM on the numbers of samples where its kernel learns nothing from them."""
         kernel, features = svm.kernel, self.samples.features
-        if kind_of(features) is FeatureKind.DENSE or not isinstance(kernel, DistanceKernel):
+        learned = self.learned_from is not None or kind_of(features) is FeatureKind.DENSE
+        if learned or not isinstance(kernel, DistanceKernel):
             return svm, self.samples
         name = type(kernel).__name__
         if name not in self.grams:
@@ -100,7 +105,8 @@ class Fold:
         if column not in self.found:
             extensions = EXTENSIONS if column in EXTENSIONS else (svm.multiclass,)
             wide = clone(svm).set_params(search={**svm.search, "multiclass": list(extensions)})
-            table = wide.fit(*samples.training(self.labels, self.stamps, self.training)).search_
+            given = samples, self.labels, self.stamps, self.training, self.learned_from
+            table = train(wide, *given).search_
             for extension in extensions:
                 rows = [i for i, name in enumerate(table["multiclass"]) if name == extension]
                 part = {name: [values[i] for i in rows] for name, values in table.items()}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
-from typing import Any, Self
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,9 @@ from placecue.errors import DataError, UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
 from placecue.folds import Rows
 from placecue.scores import Layout, Scores
+
+#: Features of all training samples by a copy of a cue that has learned from the given ones only.
+FoldFeatures: TypeAlias = Callable[[Rows], FeatureBatch]
 
 
 class UnfitSamples(DataError, ValueError, TypeError):
@@ -61,6 +64,31 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         stamps : array of int, shape (n,), optional
             Their times, ns; folds of a parameter search are cut along them.
         """
+
+    def fit_on_learned(
+        self,
+        features: FeatureBatch,
+        labels: ArrayLike,
+        stamps: ArrayLike | None,
+        learned_from: FoldFeatures,
+    ) -> Self:
+        """Learn as :meth:`fit` does, from features of a cue that has learned from these samples.
+
+        A codebook that was learned from a sample tells something of it. Override this where
+        :meth:`fit` holds samples out, to search parameters, say: in such a fold take the features
+        that ``learned_from`` returns. The default is :meth:`fit`.
+
+        Parameters
+        ----------
+        features : batch of n samples
+            By the cue as learned from all of them.
+        labels : array of str, shape (n,)
+        stamps : array of int, shape (n,), or None
+        learned_from : callable
+            Given the training rows of a fold, returns the features of all n samples by a copy of
+            the cue that has learned from those rows only. Each call reads the samples again.
+        """
+        return self.fit(features, labels, stamps)
 
     @abstractmethod
     def scores(self, features: FeatureBatch) -> Scores:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -17,8 +17,9 @@ from placecue.features import take
 from placecue.folds import FoldScheme, Rows
 from placecue.observation import Observation
 from placecue.progress import track
-from placecue.samples import CueSamples
+from placecue.samples import CueSamples, LearnedFrom
 from placecue.scores import Layout, Scores
+from placecue.training import train
 
 #: The cues of a pipeline, each with its classifier, in order of cost.
 CueModels: TypeAlias = Mapping[str, tuple[Cue, Classifier]]
@@ -160,7 +161,7 @@ class OutOfFold:
     def scores(
         self,
         classifier: Classifier,
-        samples: CueSamples | Callable[[Rows], CueSamples],
+        samples: CueSamples | LearnedFrom,
         labels: NDArray[np.str_],
         stamps: ArrayLike | None = None,
         *,
@@ -202,15 +203,18 @@ class OutOfFold:
 
 def _fitted_anew(
     classifier: Classifier,
-    samples: CueSamples | Callable[[Rows], CueSamples],
+    samples: CueSamples | LearnedFrom,
     labels: NDArray[np.str_],
     stamps: NDArray[np.int64] | None,
     splits: Iterable[tuple[Rows, Rows]],
 ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
     """Yield held-out rows with their scores; each fold has features and copies of its own."""
     for training, held_out in splits:
-        of_fold = samples if isinstance(samples, CueSamples) else samples(training)
-        copy = classifier.chosen().fit(*of_fold.training(labels, stamps, training))
+        if isinstance(samples, CueSamples):
+            of_fold, learned_from = samples, None
+        else:
+            of_fold, learned_from = samples(training), samples
+        copy = train(classifier.chosen(), of_fold, labels, stamps, training, learned_from)
         yield held_out, copy.scores(take(of_fold.features, held_out)).values
 
 

@@ -31,6 +31,7 @@ from placecue.samples import Samples, collect
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
+from placecue.training import train
 
 log = logging.getLogger(__name__)
 
@@ -218,9 +219,12 @@ class Pipeline:
         self._check_names(samples)
         self.rejection_ = self.held_out_ = None
         for name, (cue, classifier) in track(self.cues.items(), "training", len(self.cues)):
+            learned_from = None
             if cue.learns:
                 samples.fit(cue)
-            classifier.fit(*samples.of_cue(name, cue).training(samples.labels, samples.stamps))
+                learned_from = partial(samples.learned_from, name, cue)
+            of_cue = samples.of_cue(name, cue)
+            train(classifier, of_cue, samples.labels, samples.stamps, learned_from=learned_from)
         if not self._needs_held_out(reliability):
             if integration is not None:
                 log.warning(

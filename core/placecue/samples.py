@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,10 @@ class CueSamples:
             batch = take(join([take(view, rows) for view in views]), order)
             rows = np.repeat(rows, len(views))
         return batch, labels[rows], None if stamps is None else stamps[rows]
+
+
+#: Features of all samples by a copy of a cue that has learned from the given ones only.
+LearnedFrom: TypeAlias = Callable[[Rows], CueSamples]
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def test_progress_is_told_of(seen: Blobs) -> None:
     told: list[tuple[str, int]] = []
 
     def report(items, what, total):  # type: ignore[no-untyped-def]
-        told.append((what, len(items)))
+        told.append((what, total))
         return items
 
     token = progress._reporter.set(report)

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 
-from placecue.classifier import Classifier
+from placecue.classifier import Classifier, FoldFeatures
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, take
 from placecue.folds import Rows, fold_scheme
 from placecue.progress import track
+from placecue.samples import CueSamples, LearnedFrom
 from placecue.scores import Scores
+from placecue.training import train
 
 from .grid import Setting, check_listed, settings
 from .search import SCORE, balanced_accuracy, best_of
@@ -71,21 +73,49 @@ class GridSearch(Classifier):
         DataError
             If the classifier refuses the samples, or they cannot be cut into folds.
         """
+        return self._fit(features, labels, stamps)
+
+    def fit_on_learned(
+        self,
+        features: FeatureBatch,
+        labels: ArrayLike,
+        stamps: ArrayLike | None,
+        learned_from: FoldFeatures,
+    ) -> Self:
+        """Search, then train, on features of a cue that has learned from them.
+
+        In every fold the cue learns from its training rows only; see
+        :meth:`placecue.classifier.Classifier.fit_on_learned`.
+        """
+        return self._fit(features, labels, stamps, learned_from)
+
+    def _fit(
+        self,
+        features: FeatureBatch,
+        labels: ArrayLike,
+        stamps: ArrayLike | None,
+        learned_from: FoldFeatures | None = None,
+    ) -> Self:
         points = self._points()
         scheme = fold_scheme(self.folds)
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)
         given, times = self.labels_[codes], None if stamps is None else np.asarray(stamps)
         splits = list(scheme.split(np.asarray(self.class_names)[codes], times))
+        found = self._predicted(points, features, given, times, splits, learned_from)
+        predicted = list(track(found, "searching parameters", len(splits) * len(points)))
         truth = np.concatenate([given[held_out] for _, held_out in splits])
         self.search_: dict[str, list[Any]] = {name: [] for name in (*points[0], SCORE)}
-        for point in track(points, "searching parameters"):
-            found = [self._predicted(point, features, given, times, split) for split in splits]
-            accuracy = balanced_accuracy(truth, np.concatenate(found))
-            for name, value in {**point, SCORE: accuracy}.items():
+        for number, point in enumerate(points):
+            of_point = np.concatenate(predicted[number :: len(points)])
+            for name, value in {**point, SCORE: balanced_accuracy(truth, of_point)}.items():
                 self.search_[name].append(value)
         self.chosen_ = best_of(self.search_)
-        self.classifier_ = self._with(self.chosen_).fit(features, given, times)
+        self.classifier_ = self._with(self.chosen_)
+        if learned_from is None:
+            self.classifier_.fit(features, given, times)
+        else:
+            self.classifier_.fit_on_learned(features, given, times, learned_from)
         self.layout_ = self.classifier_.layout_
         return self
 
@@ -127,16 +157,20 @@ class GridSearch(Classifier):
 
     def _predicted(
         self,
-        point: Mapping[str, Any],
+        points: Sequence[Setting],
         features: FeatureBatch,
         labels: NDArray[Any],
         stamps: NDArray[np.int64] | None,
-        split: tuple[Rows, Rows],
-    ) -> NDArray[Any]:
-        training, held_out = split
-        times = None if stamps is None else stamps[training]
-        copy = self._with(point).fit(take(features, training), labels[training], times)
-        return copy.predict(take(features, held_out))
+        splits: Sequence[tuple[Rows, Rows]],
+        learned_from: FoldFeatures | None,
+    ) -> Iterator[NDArray[Any]]:
+        """Yield the classes of the held-out rows for every point, fold after fold."""
+        relearned = None if learned_from is None else _samples(learned_from)
+        for training, held_out in splits:
+            samples = CueSamples(features) if relearned is None else relearned(training)
+            for point in points:
+                copy = train(self._with(point), samples, labels, stamps, training, relearned)
+                yield copy.predict(take(samples.features, held_out))
 
     def __sklearn_tags__(self) -> Any:
         """Return what scikit-learn is told of the estimator: what the classifier says of itself."""
@@ -144,3 +178,7 @@ class GridSearch(Classifier):
         if self.classifier is not None:
             tags.input_tags.sparse = self.classifier.__sklearn_tags__().input_tags.sparse
         return tags
+
+
+def _samples(learned_from: FoldFeatures) -> LearnedFrom:
+    return lambda rows: CueSamples(learned_from(rows))

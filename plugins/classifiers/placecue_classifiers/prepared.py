@@ -12,7 +12,8 @@ from sklearn.base import clone
 
 from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
-from placecue.features import FeatureBatch, FeatureKind, kind_of
+from placecue.features import FeatureBatch, FeatureKind, kind_of, take
+from placecue.folds import Rows
 from placecue.kernel import DistanceKernel, Gram, Kernel
 from placecue.scaling import Scaling, scaling
 from placecue_classifiers.grid import Setting
@@ -41,15 +42,25 @@ class Prepared:
     shared: Any
 
     @classmethod
-    def of(cls, features: FeatureBatch, kernel: Kernel, how: str | None) -> Prepared:
-        """Fit a copy of the kernel and the scaling named ``how`` on features, shape (n, ...).
+    def of(
+        cls, features: FeatureBatch, kernel: Kernel, how: str | None, rows: Rows | None = None
+    ) -> Prepared:
+        """Fit a copy of the kernel and the scaling named ``how``.
+
+        Parameters
+        ----------
+        features : batch of n samples
+        kernel : Kernel
+        how : str or None
+        rows : ndarray of int64, optional
+            The samples to fit on; all by default.
 
         Raises
         ------
         UsageError
             If scaling or kernel cannot take this kind of features.
         """
-        fitted = fitted_scaling(features, how)
+        fitted = fitted_scaling(_of_rows(features, rows), how)
         if fitted is not None:
             features = fitted.transform(np.asarray(features))
         kernel = clone(kernel)
@@ -57,7 +68,7 @@ class Prepared:
             kernel.check(features)
         except UsageError as error:
             raise WrongKind(str(error)) from error
-        kernel.fit(features)
+        kernel.fit(_of_rows(features, rows))
         if isinstance(kernel, DistanceKernel):
             return cls(kernel, fitted, features, kernel.distances(features))
         return cls(kernel, fitted, features, kernel.gram(features))
@@ -127,6 +138,10 @@ def fitted_scaling(features: FeatureBatch, how: str | None) -> Scaling | None:
     if kind_of(features) is not FeatureKind.DENSE:
         raise WrongKind(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
     return scaling(how).fit(np.asarray(features))
+
+
+def _of_rows(features: FeatureBatch, rows: Rows | None) -> FeatureBatch:
+    return features if rows is None else take(features, rows)
 
 
 def _has_learned(kernel: Kernel) -> bool:

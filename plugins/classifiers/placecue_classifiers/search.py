@@ -10,13 +10,12 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from sklearn.metrics import recall_score
 
-from placecue.folds import Rows
 from placecue.kernel import Gram
 from placecue.progress import track
 from placecue.scores import Layout
+from placecue_classifiers.fold_groups import FoldGroup, Split, grams
 from placecue_classifiers.grid import Grid, Setting
 from placecue_classifiers.machines import Machines
-from placecue_classifiers.prepared import Preparations
 
 Codes = NDArray[np.int64]
 #: One list a name: the parameters of each point of the grid, and its balanced accuracy.
@@ -41,31 +40,28 @@ class Trainer(Protocol):
 
 def search(
     grid: Grid,
-    prepare: Preparations,
+    groups: Sequence[FoldGroup],
     trainer: Callable[[Setting], Trainer],
     codes: Codes,
     names: Sequence[str],
-    splits: Sequence[tuple[Rows, Rows]],
 ) -> Table:
     """Score every point of the grid.
 
-    The folds are shared out by joblib among threads (LIBSVM lets go of the interpreter): within
-    ``joblib.parallel_config(n_jobs=...)``, as many at a time.
+    The folds of a group are shared out by joblib among threads (LIBSVM lets go of the
+    interpreter): within ``joblib.parallel_config(n_jobs=...)``, as many at a time.
 
     Parameters
     ----------
     grid : Grid
         What to try.
-    prepare : Preparations
-        Of the n samples, for each kernel and scaling.
+    groups : sequence of FoldGroup
+        The folds of the n samples.
     trainer : callable
         Gives the machine of a multi-class extension, class weight and C.
     codes : ndarray of int64, shape (n,)
         Class of each sample, 0 to M - 1.
     names : sequence of str
         The M classes.
-    splits : sequence of (training rows, held-out rows)
-        The folds.
 
     Returns
     -------
@@ -73,16 +69,18 @@ def search(
         The searched parameters and ``balanced_accuracy``, one entry a point: the mean of the
         per-class recalls over all held-out samples, pooled over the folds.
     """
-    table: Table = {name: [] for name in (*grid.values, SCORE)}
     trainers = [trainer(setting) for setting in grid.machines()]
     rounds = [(s, g) for s in grid.preparations() for g in grid.gammas()]
-    truth = np.concatenate([codes[held_out] for _, held_out in splits])
-    for setting, gamma in track(rounds, "searching parameters"):
-        gram = prepare(setting).gram(gamma)
-        predicted = Parallel(require="sharedmem")(
+    predicted: list[list[Codes]] = [[] for _ in rounds]
+    steps = track(grams(groups, rounds), "searching parameters", len(groups) * len(rounds))
+    for number, gram, splits in steps:
+        predicted[number] += Parallel(require="sharedmem")(
             delayed(_predicted)(gram, codes, names, split, trainers) for split in splits
         )
-        for column, of_machines in zip(np.concatenate(predicted).T, grid.machines(), strict=True):
+    truth = np.concatenate([codes[held_out] for each in groups for _, held_out in each.splits])
+    table: Table = {name: [] for name in (*grid.values, SCORE)}
+    for (setting, gamma), of_round in zip(rounds, predicted, strict=True):
+        for column, of_machines in zip(np.concatenate(of_round).T, grid.machines(), strict=True):
             for name, value in {**setting, "gamma": gamma, **of_machines}.items():
                 if name in table:
                     table[name].append(value)
@@ -106,7 +104,7 @@ def _predicted(
     gram: Gram,
     codes: Codes,
     names: Sequence[str],
-    split: tuple[Rows, Rows],
+    split: Split,
     trainers: Sequence[Trainer],
 ) -> Codes:
     """Return the classes that each trainer's machines give the held-out rows, shape (m, T)."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 
-from placecue.classifier import Classifier
+from placecue.classifier import Classifier, FoldFeatures
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, FeatureKind, take
 from placecue.folds import Rows, fold_scheme
@@ -24,10 +24,11 @@ from placecue.scores import (
     Scores,
 )
 from placecue_classifiers import calibration
+from placecue_classifiers.fold_groups import FoldGroup, Split, folds
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
 from placecue_classifiers.machines import Machines, one_against_all, one_against_one
 from placecue_classifiers.prepared import Preparations, Prepared
-from placecue_classifiers.search import Table, best_of, search
+from placecue_classifiers.search import best_of, search
 from placecue_classifiers.weights import ClassWeight, check_class_weight, of_classes
 
 MULTICLASS = ("oao", "oaa", "modified_oaa")
@@ -54,8 +55,9 @@ class SVM(Classifier):
         Values to try by cross-validation on balanced accuracy, every combination of them:
         ``{"C": [...], "gamma": [...]}``, and likewise ``multiclass``, ``class_weight``,
         ``scaling`` and the kernel's parameters as ``kernel__NAME``. One Gram matrix serves every
-        C, class weight, multi-class extension and fold; one matrix of distances every gamma. What
-        is left out stays as given.
+        C, class weight, multi-class extension and fold; one matrix of distances every gamma. Of a
+        cue that learns, each fold has features and matrices of its own. What is left out stays
+        as given.
     folds : mapping, optional
         How the training samples are cut for search and calibration, such as ``{"scheme":
         "interleaved", "n_folds": 5, "seconds": 2.0}``; other schemes are ``blocks``,
@@ -134,15 +136,44 @@ class SVM(Classifier):
             If there is one class only, a feature is NaN or infinite, or, where folds are needed,
             a class has one sample only.
         """
+        return self._fit(features, labels, stamps)
+
+    def fit_on_learned(
+        self,
+        features: FeatureBatch,
+        labels: ArrayLike,
+        stamps: ArrayLike | None,
+        learned_from: FoldFeatures,
+    ) -> Self:
+        """Train on features of a cue that has learned from them.
+
+        In every fold of search and calibration cue, scaling and kernel learn from its training
+        rows only; see :meth:`placecue.classifier.Classifier.fit_on_learned`.
+        """
+        return self._fit(features, labels, stamps, learned_from)
+
+    def _fit(
+        self,
+        features: FeatureBatch,
+        labels: ArrayLike,
+        stamps: ArrayLike | None,
+        learned_from: FoldFeatures | None = None,
+    ) -> Self:
         self._check_parameters()
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)
         prepare = Preparations(lambda setting: self.with_setting(setting).prepared(features))
         svm, setting, rows = self, Setting(), np.arange(len(codes))
-        if self.search:
+        groups: list[FoldGroup] = []
+        if self.search or self.probability:
             splits = self._splits(codes, stamps)
+            groups = [FoldGroup(lambda: prepare, splits)]
+            if learned_from is not None:
+                groups = self._learned_groups(learned_from, labels, splits)
+        if self.search:
             rows = rows if self.refit else _one_training_part(splits)
-            self.search_ = self._search(prepare, codes, splits)
+            grid = Grid.of(self.search, self._searchable())
+            self.search_ = search(grid, groups, self.with_setting, codes, self.class_names)
             self.chosen_ = setting = best_of(self.search_)
             svm = self.with_setting(setting)
         prepared = prepare(Grid.preparation(setting))
@@ -155,8 +186,8 @@ class SVM(Classifier):
         self.layout_ = svm.machine_layout(self.class_names, machines, block, codes[rows])
         self.machine_layout_ = self.layout_
         if self.probability is not None:
-            splits = self._splits(codes, stamps)
-            self.calibrators_ = svm.calibrated(gram, codes, self.class_names, splits)
+            each = track(folds(groups, setting), "calibrating", len(splits))
+            self.calibrators_ = svm.calibrated(each, codes, self.class_names)
             self.layout_ = Probabilities(self.class_names)
         support = np.flatnonzero(np.any(machines.coefficients != 0, axis=1))
         self.support_features_ = take(prepared.features, rows[support])
@@ -206,7 +237,8 @@ class SVM(Classifier):
             if svm.probability is not None:
                 block, of_fold = gram[np.ix_(training, training)], codes[training]
                 inner = svm._splits(of_fold, None if stamps is None else stamps[training])
-                calibrators = svm.calibrated(block, of_fold, svm.class_names, inner)
+                parts = ((block, *split) for split in inner)
+                calibrators = svm.calibrated(parts, of_fold, svm.class_names)
                 values = calibration.probabilities(svm.probability, calibrators, layout, values)
             yield held_out, values
 
@@ -219,10 +251,10 @@ class SVM(Classifier):
         copy._check_parameters()
         return copy
 
-    def prepared(self, features: FeatureBatch) -> Prepared:
-        """Return n training samples scaled, with the kernel fitted on them."""
+    def prepared(self, features: FeatureBatch, rows: Rows | None = None) -> Prepared:
+        """Return n samples scaled, with the kernel; both fitted on the given rows, or all."""
         assert self.kernel is not None
-        return Prepared.of(features, self.kernel, self.scaling)
+        return Prepared.of(features, self.kernel, self.scaling, rows)
 
     def machines(self, gram: Gram, codes: NDArray[np.int64], names: Sequence[str]) -> Machines:
         """Train the binary machines on an (n, n) Gram matrix."""
@@ -250,22 +282,24 @@ class SVM(Classifier):
 
     def calibrated(
         self,
-        gram: Gram,
+        folds: Iterable[tuple[Gram, Rows, Rows]],
         codes: NDArray[np.int64],
         names: Sequence[str],
-        splits: Sequence[tuple[Rows, Rows]],
     ) -> list[NDArray[np.float64]]:
-        """Learn probabilities from the outputs for held-out rows of an (n, n) Gram matrix."""
-        learned_from = []
-        for training, held_out in track(splits, "calibrating"):
+        """Learn probabilities from the outputs for held-out rows.
+
+        A fold is an (n, n) Gram matrix with the training and the held-out rows.
+        """
+        outputs, truths = [], []
+        for gram, training, held_out in folds:
             layout, values = self._held_out(gram, codes, names, training, held_out)
             if isinstance(layout, ModifiedOneAgainstAll):
                 # Each fold has means of its own: what counts is the distance from them.
                 values = values - np.asarray(layout.class_means)
                 layout = ModifiedOneAgainstAll(layout.classes, (0.0,) * len(names))
-            learned_from.append((values, codes[held_out]))
-        values = np.concatenate([each for each, _ in learned_from])
-        truth = np.concatenate([each for _, each in learned_from])
+            outputs.append(values)
+            truths.append(codes[held_out])
+        values, truth = np.concatenate(outputs), np.concatenate(truths)
         return calibration.calibrators(str(self.probability), layout, values, truth)
 
     # ------------------------------------------------------------------ privately
@@ -284,12 +318,16 @@ class SVM(Classifier):
         layout = self.machine_layout(names, machines, block, of_block)
         return layout, machines.decide(gram[np.ix_(held_out, training)])
 
-    def _search(
-        self, prepare: Preparations, codes: NDArray[np.int64], splits: Sequence[tuple[Rows, Rows]]
-    ) -> Table:
-        assert self.search is not None
-        grid = Grid.of(self.search, self._searchable())
-        return search(grid, prepare, self.with_setting, codes, self.class_names, splits)
+    def _learned_groups(
+        self, learned_from: FoldFeatures, labels: ArrayLike, splits: Sequence[Split]
+    ) -> list[FoldGroup]:
+        def features(rows: Rows) -> FeatureBatch:
+            return self.with_setting({}).training_samples(learned_from(rows), labels)
+
+        def prepared(setting: Setting, of_fold: FeatureBatch, rows: Rows) -> Prepared:
+            return self.with_setting(setting).prepared(of_fold, rows)
+
+        return [FoldGroup.learned(features, prepared, split) for split in splits]
 
     def _searchable(self) -> list[str]:
         names = [*OF_MACHINES, "scaling"]

@@ -1,0 +1,200 @@
+"""In the folds of a search or a calibration, a cue has learned from the training rows only.
+
+Five classes throughout.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from sklearn.metrics import balanced_accuracy_score
+from sklearn.multiclass import OneVsRestClassifier
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC
+
+from placecue import Blocks, DataError, OneAgainstAll
+from placecue.classifier import Classifier
+from placecue_classifiers.adaboost import AdaBoost
+from placecue_classifiers.calibration import calibrators
+from placecue_classifiers.grid_search import GridSearch
+from placecue_classifiers.svm import SVM
+from placecue_kernels.hi import HistogramIntersection
+from placecue_kernels.linear import Linear
+from placecue_kernels.rbf import RBF
+
+Samples = tuple[np.ndarray, np.ndarray]
+BLOCKS = {"scheme": "blocks", "n_folds": 4}
+
+
+class Stretched:
+    """A cue that learns: divides its features by their spread in the samples it has learned from.
+
+    Parameters
+    ----------
+    features : ndarray of float64, shape (n, d)
+    """
+
+    def __init__(self, features: np.ndarray) -> None:
+        self.features = features
+        self.calls: list[np.ndarray] = []
+
+    def __call__(self, rows: np.ndarray) -> np.ndarray:
+        self.calls.append(rows)
+        return self.features / np.ptp(self.features[rows], axis=0)
+
+    def everything(self) -> np.ndarray:
+        return self.features / np.ptp(self.features, axis=0)
+
+
+def splits(labels: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    return list(Blocks(n_folds=4).split(labels))
+
+
+def pooled(peer: Any, cue: Stretched, labels: np.ndarray) -> float:
+    """Balanced accuracy of a classifier of scikit-learn, fold by fold."""
+    predicted = np.empty_like(labels)
+    for training, held_out in splits(labels):
+        features = cue.features / np.ptp(cue.features[training], axis=0)
+        peer.fit(features[training], labels[training])
+        predicted[held_out] = peer.predict(features[held_out])
+    return float(balanced_accuracy_score(labels, predicted))
+
+
+@pytest.mark.parametrize("scaling", [None, "standard"])
+def test_points_of_an_svm_are_those_of_scikit_learn(seen: Samples, scaling: str | None) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    search = {"C": [0.1, 1.0, 10.0], "gamma": [0.1, 1.0]}
+    svm = SVM(RBF(), search=search, scaling=scaling, folds=BLOCKS)
+    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    for point, accuracy in enumerate(svm.search_["balanced_accuracy"]):
+        gamma, cost = svm.search_["gamma"][point], svm.search_["C"][point]
+        peer = OneVsRestClassifier(SVC(gamma=gamma, C=cost, class_weight="balanced"))
+        if scaling is not None:
+            peer = make_pipeline(StandardScaler(), peer)
+        assert accuracy == pytest.approx(pooled(peer, cue, labels))
+    plain = svm.chosen().fit(cue.everything(), labels)
+    assert np.array_equal(plain.scores(features).values, svm.scores(features).values)
+
+
+@pytest.mark.parametrize("kernel", [RBF(1.0), Linear(), HistogramIntersection()])
+def test_an_svm_asks_for_the_training_rows_of_each_fold(seen: Samples, kernel: Any) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    svm = SVM(kernel, search={"C": [1.0, 10.0]}, probability="sigmoid", folds=BLOCKS)
+    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    expected = 2 * [training.tolist() for training, _ in splits(labels)]  # search, calibration
+    assert [rows.tolist() for rows in cue.calls] == expected
+
+
+def test_a_plain_svm_asks_for_nothing(seen: Samples) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    learned = SVM(RBF(0.1)).fit_on_learned(cue.everything(), labels, None, cue)
+    plain = SVM(RBF(0.1)).fit(cue.everything(), labels)
+    assert not cue.calls
+    assert np.array_equal(learned.scores(features).values, plain.scores(features).values)
+
+
+def test_calibration_learns_from_features_of_each_fold(seen: Samples) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    svm = SVM(RBF(1.0), C=1.0, probability="sigmoid", folds=BLOCKS)
+    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    outputs, codes = [], []
+    for training, held_out in splits(labels):
+        of_fold = cue(training)
+        peer = OneVsRestClassifier(SVC(gamma=1.0, C=1.0, class_weight="balanced"))
+        peer.fit(of_fold[training], labels[training])
+        outputs.append(peer.decision_function(of_fold[held_out]))
+        codes.append(np.unique(labels, return_inverse=True)[1][held_out])
+    layout = OneAgainstAll(tuple(np.unique(labels)))
+    expected = calibrators("sigmoid", layout, np.concatenate(outputs), np.concatenate(codes))
+    assert np.array(svm.calibrators_) == pytest.approx(np.array(expected), rel=1e-2)
+
+
+def test_trained_on_the_first_sequence(seen: Samples, unseen: Samples) -> None:
+    features = np.concatenate([seen[0], unseen[0]])
+    labels = np.concatenate([seen[1], unseen[1]])
+    first = len(seen[1])
+    stamps = (np.arange(len(labels)) + 7200 * (np.arange(len(labels)) >= first)) * 10**9
+    cue = Stretched(features)
+    folds = {"scheme": "by_log", "only_last": True}
+    svm = SVM(RBF(1.0), search={"C": [0.1, 1.0, 10.0]}, folds=folds, refit=False)
+    svm.fit_on_learned(cue.everything(), labels, stamps, cue)
+    [asked] = cue.calls
+    assert asked.tolist() == list(range(first))
+    plain = SVM(RBF(1.0), C=svm.chosen_["C"]).fit(cue.everything()[:first], labels[:first])
+    found, expected = (each.scores(features).values for each in (svm, plain))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
+
+
+def test_grid_search_finds_what_a_loop_finds(seen: Samples) -> None:
+    features, labels = seen
+    # What spreads is what a stump does not look at: shift the features instead.
+    shift = lambda rows: features - features[rows].mean(axis=0)  # noqa: E731
+    found = GridSearch(AdaBoost(), {"rounds": [1, 5, 20]}, BLOCKS)
+    found.fit_on_learned(shift(np.arange(len(labels))), labels, None, shift)
+    expected = []
+    for rounds in (1, 5, 20):
+        predicted = np.empty_like(labels)
+        for training, held_out in splits(labels):
+            model = AdaBoost(rounds=rounds)
+            model.fit(shift(training)[training], labels[training])
+            predicted[held_out] = model.predict(shift(training)[held_out])
+        expected.append(balanced_accuracy_score(labels, predicted))
+    assert found.search_["balanced_accuracy"] == pytest.approx(expected)
+    whole = AdaBoost(rounds=found.chosen_["rounds"]).fit(shift(np.arange(len(labels))), labels)
+    assert np.array_equal(found.scores(features).values, whole.scores(features).values)
+
+
+def test_folds_inside_folds_learn_from_their_own_rows(seen: Samples) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    inner = SVM(RBF(1.0), probability="sigmoid", folds={"scheme": "blocks", "n_folds": 2})
+    search = GridSearch(inner, {"C": [1.0, 10.0]}, BLOCKS)
+    search.fit_on_learned(cue.everything(), labels, None, cue)
+    expected = []
+    for training, _ in splits(labels):
+        nested = [training[rows] for rows, _ in Blocks(n_folds=2).split(labels[training])]
+        expected += [training, *nested, *nested]  # nested once for each C
+    expected += [rows for rows, _ in Blocks(n_folds=2).split(labels)]
+    assert [rows.tolist() for rows in cue.calls] == [rows.tolist() for rows in expected]
+
+
+def memorised(rows: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Features that tell the class of the samples learned from, and nothing of the others."""
+    codes = np.unique(labels, return_inverse=True)[1]
+    known = np.random.default_rng(0).integers(0, 5, len(labels))
+    known[rows] = codes[rows]
+    return np.eye(5)[known]
+
+
+@pytest.mark.parametrize(
+    "classifier",
+    [
+        SVM(RBF(1.0), search={"C": [1.0, 100.0], "gamma": [0.1, 1.0]}),
+        SVM(RBF(1.0), search={"C": [1.0, 100.0], "scaling": ["quantiles", "range"]}),
+        GridSearch(AdaBoost(), {"rounds": [5, 20]}),
+    ],
+    ids=["svm", "scaled", "grid_search"],
+)
+def test_learning_by_heart_gains_nothing(seen: Samples, classifier: Classifier) -> None:
+    labels = np.tile(seen[1], 4)
+    features = memorised(np.arange(len(labels)), labels)
+    shared = classifier.fit(features, labels).search_["balanced_accuracy"]
+    assert max(shared) == 1
+    classifier.fit_on_learned(features, labels, None, lambda rows: memorised(rows, labels))
+    assert max(classifier.search_["balanced_accuracy"]) < 0.3
+    assert (classifier.predict(features) == labels).all()
+
+
+def test_features_of_a_fold_are_checked(seen: Samples) -> None:
+    features, labels = seen
+    svm = SVM(RBF(1.0), search={"C": [1.0, 10.0]})
+    for spoilt, said in ((features * np.nan, "NaN"), (features[:-1], "inconsistent numbers")):
+        with pytest.raises(DataError, match=said):
+            svm.fit_on_learned(features, labels, None, lambda rows: spoilt)  # noqa: B023

@@ -52,6 +52,23 @@ class Kernel(BaseEstimator, ABC):  # type: ignore[misc]
             If the kernel cannot take this kind of features.
         """
 
+    @property
+    def light_parameters(self) -> tuple[str, ...]:
+        """Parameters that neither :meth:`fit` nor :meth:`shared` depends on; cheap to search."""
+        return ()
+
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+        """Return what all settings of :attr:`light_parameters` share, in any form.
+
+        Without such parameters that is the Gram block.
+        """
+        return self.gram(a, b)
+
+    def from_shared(self, shared: Any) -> Gram:
+        """Return the Gram block, shape (n, m), from what :meth:`shared` returned; keeps that."""
+        gram: Gram = shared
+        return gram
+
     def check(self, *batches: FeatureBatch | None) -> None:
         """Raise UsageError if a batch is of a kind that the kernel cannot take."""
         for batch in batches:
@@ -84,6 +101,19 @@ class DistanceKernel(Kernel):
         """Return exp(-gamma * distances), shape (n, m); override where the form is another."""
         scaled: Gram = np.multiply(distances, -self.gamma)
         return np.exp(scaled, out=scaled)
+
+    @property
+    def light_parameters(self) -> tuple[str, ...]:
+        """Gamma."""
+        return ("gamma",)
+
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+        """Return the distances."""
+        return self.distances(a, b)
+
+    def from_shared(self, shared: Any) -> Gram:
+        """Return the Gram block, shape (n, m), from distances."""
+        return self.from_distances(shared)
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the kernel between every sample of ``a`` and of ``b``; see :class:`Kernel`."""

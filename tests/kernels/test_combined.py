@@ -89,6 +89,45 @@ def test_a_search_varies_the_weights_and_the_parameters_inside() -> None:
         kernel.set_params(kernels__x=1)
 
 
+class Counted(Chi2):
+    """Counts its distances."""
+
+    made = 0
+
+    def distances(self, a, b=None):  # type: ignore[no-untyped-def]
+        Counted.made += 1
+        return super().distances(a, b)
+
+
+@pytest.mark.parametrize("kind", [Sum, Product])
+def test_distances_are_shared_by_weights_and_gammas_inside(kind: type[Combined]) -> None:
+    x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
+    kernel = kind([Counted(1.0), Sum([HistogramIntersection(), Counted(2.0)])])
+    assert kernel.light_parameters == (
+        "weights",
+        "kernels__0__gamma",
+        "kernels__1__weights",
+        "kernels__1__kernels__1__gamma",
+    )
+    tried = {
+        "kernel__weights": [[1, 1], [2, 1]],
+        "kernel__kernels__0__gamma": [0.1, 5.0],
+        "kernel__kernels__1__weights": [[1, 1], [0, 1]],
+        "kernel__kernels__1__kernels__1__gamma": [0.5, 2.0, 8.0],
+        "C": [1.0, 100.0],
+    }
+    Counted.made = 0
+    svm = SVM(kernel=kernel, search=tried, probability="sigmoid").fit(x, labels)
+    assert len(svm.search_["C"]) == 48
+    assert Counted.made == 2
+    chosen = {n.removeprefix("kernel__"): v for n, v in svm.chosen_.items() if n != "C"}
+    fixed = clone(kernel).set_params(**chosen).fit(x)
+    assert {name: svm.kernel_.get_params()[name] for name in chosen} == chosen
+    np.testing.assert_array_equal(svm.kernel_.gram(x[:3], x), fixed.gram(x[:3], x))
+    before = (kernel.weights, kernel.kernels[0].gamma, kernel.kernels[1].kernels[1].gamma)
+    assert before == (None, 1.0, 2.0)
+
+
 def test_descriptor_sets_can_be_summed_over() -> None:
     sets = DescriptorSets(np.eye(4, dtype=np.float32), np.array([0, 2, 4]))
     found = Sum([Match(1.0), Match(0.5)]).gram(sets)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from placecue.features import FeatureBatch
 from placecue.folds import Rows
 from placecue.kernel import Gram
-from placecue_classifiers.grid import Grid, Setting
+from placecue_classifiers.grid import Setting
 from placecue_classifiers.prepared import Preparations, Prepared
 
 #: The training rows of a fold, and those held out.
@@ -61,25 +61,26 @@ class FoldGroup:
 
 
 def grams(
-    groups: Sequence[FoldGroup], rounds: Sequence[tuple[Setting, float | None]]
+    groups: Sequence[FoldGroup], rounds: Sequence[tuple[Setting, Setting]]
 ) -> Iterator[tuple[int, Gram, Sequence[Split]]]:
     """Yield the number of each round with a group's Gram matrix and folds, group after group.
 
     Parameters
     ----------
     groups : sequence of FoldGroup
-    rounds : sequence of (setting, gamma)
-        Parameters of kernel and scaling, and a gamma or None.
+    rounds : sequence of (preparation, light)
+        Parameters for which samples are prepared, and light ones of the kernel.
     """
     for group in groups:
         prepare = group.prepare()
-        for number, (setting, gamma) in enumerate(rounds):
-            yield number, prepare(setting).gram(gamma), group.splits
+        for number, (preparation, light) in enumerate(rounds):
+            yield number, prepare(preparation).gram(light), group.splits
 
 
-def folds(groups: Sequence[FoldGroup], setting: Setting) -> Iterator[tuple[Gram, Rows, Rows]]:
-    """Yield each fold with the Gram matrix of its group for the parameters of a grid."""
-    round_ = Grid.preparation(setting), setting.get("gamma")
-    for _, gram, splits in grams(groups, [round_]):
+def folds(
+    groups: Sequence[FoldGroup], preparation: Setting, light: Setting
+) -> Iterator[tuple[Gram, Rows, Rows]]:
+    """Yield each fold with the Gram matrix of its group for one round of :func:`grams`."""
+    for _, gram, splits in grams(groups, [(preparation, light)]):
         for training, held_out in splits:
             yield gram, training, held_out

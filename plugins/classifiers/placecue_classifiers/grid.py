@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -24,12 +24,20 @@ class Grid:
     values : dict of str to list
         ``C``, ``gamma`` (of the kernel), ``multiclass``, ``class_weight``, ``scaling``, and any
         parameter of the kernel as ``kernel__NAME``.
+    light : collection of str
+        Those of the kernel's parameters for which features and distances stay as they are.
     """
 
     values: dict[str, list[Any]]
+    light: Collection[str] = ()
 
     @classmethod
-    def of(cls, values: Mapping[str, Sequence[Any]], known: Sequence[str]) -> Grid:
+    def of(
+        cls,
+        values: Mapping[str, Sequence[Any]],
+        known: Sequence[str],
+        light: Collection[str] = (),
+    ) -> Grid:
         """Read a config.
 
         Parameters
@@ -38,6 +46,8 @@ class Grid:
             Values to try.
         known : sequence of str
             The parameters that can be searched.
+        light : collection of str
+            The kernel's light parameters, by the kernel's own names.
 
         Raises
         ------
@@ -56,20 +66,21 @@ class Grid:
         named = {"gamma" if n == "kernel__gamma" else n: list(v) for n, v in values.items()}
         if len(named) < len(values):
             raise UsageError("search lists gamma and kernel__gamma, which are the same: keep one")
-        return cls(named)
+        return cls(named, {_of_svm(name) for name in light})
 
     def preparations(self) -> Iterator[Setting]:
         """Yield the settings for which features or distances have to be computed anew."""
-        return self._product(n for n in self.values if n not in (*OF_MACHINES, "gamma"))
+        return self._product(n for n in self.values if n not in (*OF_MACHINES, *self.light))
 
-    @staticmethod
-    def preparation(setting: Setting) -> Setting:
-        """Return that part of a setting for which features or distances are computed anew."""
-        return {n: v for n, v in setting.items() if n not in (*OF_MACHINES, "gamma")}
+    def lights(self) -> list[Setting]:
+        """Return the settings that share features and distances."""
+        return list(self._product(n for n in self.values if n in self.light))
 
-    def gammas(self) -> Sequence[float | None]:
-        """Return the gammas to try; None for the kernel as it is."""
-        return self.values.get("gamma", [None])
+    def parted(self, setting: Setting) -> tuple[Setting, Setting]:
+        """Return what :meth:`preparations` and :meth:`lights` yield for a setting of everything."""
+        kept = {n: v for n, v in setting.items() if n not in OF_MACHINES}
+        light = {n: kept.pop(n) for n in setting if n in self.light}
+        return kept, light
 
     def machines(self) -> list[Setting]:
         """Return the settings that share a Gram matrix, C varying fastest."""
@@ -77,6 +88,10 @@ class Grid:
 
     def _product(self, names: Iterator[str]) -> Iterator[Setting]:
         return settings({name: self.values[name] for name in names})
+
+
+def _of_svm(name: str) -> str:
+    return name if name == "gamma" else f"kernel__{name}"
 
 
 def settings(values: Mapping[str, Sequence[Any]]) -> Iterator[Setting]:

@@ -14,7 +14,7 @@ from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of, take
 from placecue.folds import Rows
-from placecue.kernel import DistanceKernel, Gram, Kernel
+from placecue.kernel import Gram, Kernel
 from placecue.scaling import Scaling, scaling
 from placecue_classifiers.grid import Setting
 
@@ -32,8 +32,7 @@ class Prepared:
     features : batch of n samples
         Scaled.
     shared : object
-        What its Gram matrices share: the part that gamma does not enter, or, of a kernel without
-        gamma, the Gram matrix.
+        What its Gram matrices share: the part that the kernel's light parameters do not enter.
     """
 
     kernel: Kernel
@@ -69,38 +68,31 @@ class Prepared:
         except UsageError as error:
             raise WrongKind(str(error)) from error
         kernel.fit(_of_rows(features, rows))
-        if isinstance(kernel, DistanceKernel):
-            return cls(kernel, fitted, features, kernel.distances(features))
-        return cls(kernel, fitted, features, kernel.gram(features))
+        return cls(kernel, fitted, features, kernel.shared(features))
 
     @property
     def learned(self) -> bool:
         """Whether the Gram matrix depends on which samples it was prepared with."""
         return self.scaling is not None or _has_learned(self.kernel)
 
-    def gram(self, gamma: float | None = None) -> Gram:
-        """Return the Gram matrix, shape (n, n), for another gamma than the kernel's if given.
+    def gram(self, light: Setting | None = None) -> Gram:
+        """Return the Gram matrix, shape (n, n), with other light parameters of the kernel if given.
 
         Raises
         ------
-        UsageError
-            If the kernel has no gamma.
         DataError
             If a value is not finite.
         """
-        if not isinstance(self.kernel, DistanceKernel):
-            if gamma is not None:
-                raise UsageError(
-                    f"kernel {type(self.kernel).__name__} has no gamma to search: leave "
-                    "search.gamma out"
-                )
-            return _finite(self.shared, self.kernel)
-        kernel = self.kernel if gamma is None else self.with_gamma(gamma)
-        return _finite(kernel.from_distances(self.shared), kernel)
+        kernel = self.with_light(light)
+        return _finite(kernel.from_shared(self.shared), kernel)
 
-    def with_gamma(self, gamma: float) -> Any:
-        """Return a copy of the fitted kernel with another gamma."""
-        return deepcopy(self.kernel).set_params(gamma=gamma)
+    def with_light(self, light: Setting | None = None) -> Kernel:
+        """Return the fitted kernel, or a copy of it with light parameters as named in a grid."""
+        if not light:
+            return self.kernel
+        named = {name.removeprefix("kernel__"): value for name, value in light.items()}
+        changed: Kernel = deepcopy(self.kernel).set_params(**named)
+        return changed
 
 
 @dataclass

@@ -70,7 +70,7 @@ def search(
         per-class recalls over all held-out samples, pooled over the folds.
     """
     trainers = [trainer(setting) for setting in grid.machines()]
-    rounds = [(s, g) for s in grid.preparations() for g in grid.gammas()]
+    rounds = [(each, light) for each in grid.preparations() for light in grid.lights()]
     predicted: list[list[Codes]] = [[] for _ in rounds]
     steps = track(grams(groups, rounds), "searching parameters", len(groups) * len(rounds))
     for number, gram, splits in steps:
@@ -79,11 +79,10 @@ def search(
         )
     truth = np.concatenate([codes[held_out] for each in groups for _, held_out in each.splits])
     table: Table = {name: [] for name in (*grid.values, SCORE)}
-    for (setting, gamma), of_round in zip(rounds, predicted, strict=True):
+    for (preparation, light), of_round in zip(rounds, predicted, strict=True):
         for column, of_machines in zip(np.concatenate(of_round).T, grid.machines(), strict=True):
-            for name, value in {**setting, "gamma": gamma, **of_machines}.items():
-                if name in table:
-                    table[name].append(value)
+            for name, value in {**preparation, **light, **of_machines}.items():
+                table[name].append(value)
             table[SCORE].append(balanced_accuracy(truth, column))
     return table
 

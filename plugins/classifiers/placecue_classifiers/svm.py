@@ -13,7 +13,7 @@ from placecue.classifier import Classifier, FoldFeatures
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, FeatureKind, take
 from placecue.folds import Rows, fold_scheme
-from placecue.kernel import DistanceKernel, Gram, Kernel
+from placecue.kernel import Gram, Kernel
 from placecue.progress import track
 from placecue.scores import (
     Layout,
@@ -55,9 +55,9 @@ class SVM(Classifier):
         Values to try by cross-validation on balanced accuracy, every combination of them:
         ``{"C": [...], "gamma": [...]}``, and likewise ``multiclass``, ``class_weight``,
         ``scaling`` and the kernel's parameters as ``kernel__NAME``. One Gram matrix serves every
-        C, class weight, multi-class extension and fold; one matrix of distances every gamma. Of a
-        cue that learns, each fold has features and matrices of its own. What is left out stays
-        as given.
+        C, class weight, multi-class extension and fold; one matrix of distances every gamma, also
+        of kernels inside a sum or product. Of a cue that learns, each fold has features and
+        matrices of its own. What is left out stays as given.
     folds : mapping, optional
         How the training samples are cut for search and calibration, such as ``{"scheme":
         "interleaved", "n_folds": 5, "seconds": 2.0}``; other schemes are ``blocks``,
@@ -165,6 +165,7 @@ class SVM(Classifier):
         prepare = Preparations(lambda setting: self.with_setting(setting).prepared(features))
         svm, setting, rows = self, Setting(), np.arange(len(codes))
         groups: list[FoldGroup] = []
+        grid = self._grid()
         if self.search or self.probability:
             splits = self._splits(codes, stamps)
             groups = [FoldGroup(lambda: prepare, splits)]
@@ -172,21 +173,20 @@ class SVM(Classifier):
                 groups = self._learned_groups(learned_from, labels, splits)
         if self.search:
             rows = rows if self.refit else _one_training_part(splits)
-            grid = Grid.of(self.search, self._searchable())
             self.search_ = search(grid, groups, self.with_setting, codes, self.class_names)
             self.chosen_ = setting = best_of(self.search_)
             svm = self.with_setting(setting)
-        prepared = prepare(Grid.preparation(setting))
-        gamma = setting.get("gamma")
-        self.kernel_ = prepared.kernel if gamma is None else prepared.with_gamma(gamma)
+        preparation, light = grid.parted(setting)
+        prepared = prepare(preparation)
+        self.kernel_ = prepared.with_light(light)
         self.C_, self.scaling_ = float(svm.C), prepared.scaling
-        gram = prepared.gram(gamma)
+        gram = prepared.gram(light)
         block = gram if self.refit else gram[np.ix_(rows, rows)]
         machines = svm.machines(block, codes[rows], self.class_names)
         self.layout_ = svm.machine_layout(self.class_names, machines, block, codes[rows])
         self.machine_layout_ = self.layout_
         if self.probability is not None:
-            each = track(folds(groups, setting), "calibrating", len(splits))
+            each = track(folds(groups, preparation, light), "calibrating", len(splits))
             self.calibrators_ = svm.calibrated(each, codes, self.class_names)
             self.layout_ = Probabilities(self.class_names)
         support = np.flatnonzero(np.any(machines.coefficients != 0, axis=1))
@@ -329,11 +329,12 @@ class SVM(Classifier):
 
         return [FoldGroup.learned(features, prepared, split) for split in splits]
 
-    def _searchable(self) -> list[str]:
-        names = [*OF_MACHINES, "scaling"]
-        if isinstance(self.kernel, DistanceKernel):
-            names.append("gamma")
-        return names + [name for name in self.get_params() if name.startswith("kernel__")]
+    def _grid(self) -> Grid:
+        assert self.kernel is not None
+        light = self.kernel.light_parameters
+        names = [*OF_MACHINES, "scaling", *(name for name in light if name == "gamma")]
+        names += [name for name in self.get_params() if name.startswith("kernel__")]
+        return Grid.of(self.search or {}, names, light)
 
     def _splits(
         self, codes: NDArray[np.int64], stamps: ArrayLike | None

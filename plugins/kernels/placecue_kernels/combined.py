@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any, Self
 
 import numpy as np
@@ -67,8 +68,20 @@ class Combined(Kernel):
                 super().set_params(**{name: value})
                 continue
             _, number, inner = name.split("__", 2)
-            self.kernels[int(number)].set_params(**{inner: value})
+            for kernels in (self.kernels, getattr(self, "kernels_", ())):
+                for kernel in kernels[int(number) : int(number) + 1]:
+                    kernel.set_params(**{inner: value})
         return self
+
+    @property
+    def light_parameters(self) -> tuple[str, ...]:
+        """The weights, and those of each kernel, as ``kernels__0__NAME``."""
+        inside = (
+            f"kernels__{number}__{name}"
+            for number, kernel in enumerate(self.kernels)
+            for name in kernel.light_parameters
+        )
+        return ("weights", *inside)
 
     def check(self, *batches: FeatureBatch | None) -> None:
         """Raise UsageError if a batch is of a kind that one of the kernels cannot take."""
@@ -81,6 +94,17 @@ class Combined(Kernel):
         self.kernels_ = [clone(kernel).fit(features) for kernel in self.kernels]
         return self
 
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> list[Any]:
+        """Return what the kernels share each."""
+        self._checked_weights()
+        return [kernel.shared(a, b) for kernel in getattr(self, "kernels_", self.kernels)]
+
+    def from_shared(self, shared: Sequence[Any]) -> Gram:
+        """Return the combined kernel, shape (n, m), from what its kernels share."""
+        kernels = getattr(self, "kernels_", self.kernels)
+        of_each = zip(kernels, shared, self._checked_weights(), strict=True)
+        return reduce(self._join, (self._weighted(k.from_shared(s), w) for k, s, w in of_each))
+
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the combined kernel, shape (n, m).
 
@@ -90,12 +114,7 @@ class Combined(Kernel):
             If there is no kernel, the weights do not go with the kernels, or one of these cannot
             take the features.
         """
-        weights = self._checked_weights()
-        kernels = getattr(self, "kernels_", self.kernels)
-        joined = self._weighted(kernels[0].gram(a, b), weights[0])
-        for kernel, weight in zip(kernels[1:], weights[1:], strict=True):
-            joined = self._join(joined, self._weighted(kernel.gram(a, b), weight))
-        return joined
+        return self.from_shared(self.shared(a, b))
 
     @abstractmethod
     def _weighted(self, gram: Gram, weight: float) -> Gram:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 import toys
 from caching import CALLS, REGISTRY, SAMPLES, Counting, Learning, Picky, extracted, same, shards
-from placecue import Observation, UnusableObservation
+from placecue import Cue, Observation, UnusableObservation
 from placecue.samples import collect
 from placecue.storage.feature_cache import FeatureCache
 from toys import Walk
@@ -77,6 +78,50 @@ def test_another_version_parameter_or_log_is_extracted_anew(
     monkeypatch.setattr(Counting, "version", "2")
     extracted(tmp_path, Counting())
     assert CALLS["extract"] == 2 * SAMPLES
+
+
+class Seeing(Cue):
+    """The first pixel."""
+
+    requires = ("image",)
+
+    def extract(self, observation: Observation) -> np.ndarray:
+        CALLS["extract"] += 1
+        return observation.image[0, 0].astype(np.float64)
+
+
+def test_another_opencv_is_asked_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for version, calls in (("4.0", 1), ("4.0", 1), ("5.0", 2)):
+        monkeypatch.setattr(cv2, "__version__", version)
+        extracted(tmp_path, Seeing())
+        assert CALLS["extract"] == calls * SAMPLES
+    # A laser scan does not come by OpenCV.
+    CALLS.clear()
+    for version in ("4.0", "5.0"):
+        monkeypatch.setattr(cv2, "__version__", version)
+        extracted(tmp_path, Counting())
+    assert CALLS["extract"] == SAMPLES
+
+
+class Doubled(Cue):
+    """Twice another cue's features."""
+
+    requires = ("scan",)
+
+    def __init__(self, inner: Cue) -> None:
+        self.inner = inner
+
+    def extract(self, observation: Observation) -> np.ndarray:
+        return 2 * np.asarray(self.inner.extract(observation))
+
+
+def test_so_is_another_version_of_a_cue_inside(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for version, calls in (("1", 1), ("1", 1), ("2", 2)):
+        monkeypatch.setattr(Counting, "version", version)
+        extracted(tmp_path, Doubled(Counting()))
+        assert CALLS["extract"] == calls * SAMPLES
 
 
 def test_a_digest_that_says_too_little_does_no_harm(tmp_path: Path) -> None:

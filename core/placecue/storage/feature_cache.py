@@ -268,9 +268,26 @@ class _Keys:
             "cue": kind.__name__ if provided is None else provided.component.name,
             "class": f"{kind.__module__}.{kind.__qualname__}",
             "version": cue.version,
+            "libraries": _libraries(cue),
+            "inside": _versions_inside(cue),
             "parameters": parameters,
             "changed": {n: value for n, value in parameters.items() if value != usual.get(n)},
         }
+
+
+def _libraries(cue: Cue) -> dict[str, str]:
+    """Return the versions of what reads the parts of an observation that a cue needs."""
+    if "image" not in cue.requires:
+        return {}
+    import cv2
+
+    return {"opencv": cv2.__version__}
+
+
+def _versions_inside(cue: Cue) -> dict[str, str]:
+    """Return the versions of components in a cue, by their places."""
+    inside = {name: getattr(value, "version", None) for name, value in cue.get_params().items()}
+    return {name: version for name, version in inside.items() if isinstance(version, str)}
 
 
 def _plain_parameters(cue: Cue) -> dict[str, Any]:

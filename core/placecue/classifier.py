@@ -197,6 +197,10 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
             )
         return self._some_and_finite(features)
 
+    def fold_features(self, learned_from: FoldFeatures, labels: ArrayLike) -> FoldFeatures:
+        """Return ``learned_from`` with its features checked as :meth:`training_samples` does."""
+        return lambda rows: clone(self).training_samples(learned_from(rows), labels)
+
     def samples(self, features: FeatureBatch) -> FeatureBatch:
         """Return features to score, checked: as long as in training, finite.
 

@@ -102,7 +102,8 @@ class Samples:
 
     def fit(self, cue: Cue, rows: Rows | None = None) -> None:
         """Fit a cue that learns on the given samples, all by default."""
-        rows = np.arange(len(self)) if rows is None else rows
+        # They are read again in their order, and once.
+        rows = np.arange(len(self)) if rows is None else np.unique(rows)
         origins = [self.origins[row] for row in rows]
         self.extraction.fit(cue, self.reread(rows), self.labels[rows], origins)
 

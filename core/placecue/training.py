@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.classifier import Classifier
+from placecue.errors import DataError
 from placecue.features import FeatureBatch
 from placecue.folds import Rows
 from placecue.samples import CueSamples, LearnedFrom
@@ -40,6 +41,11 @@ def train(
     learned_from : callable, optional
         Of a cue that learns: what returns the features of all n samples by a copy of the cue that
         has learned from the given samples only. The classifier's own folds get theirs from it.
+
+    Raises
+    ------
+    DataError
+        If the classifier refuses the samples, or one of its folds has altered copies only.
     """
     batch, of_batch, times = samples.training(labels, stamps, rows)
     if learned_from is None:
@@ -49,7 +55,13 @@ def train(
 
     def of_fold(training: Rows) -> FeatureBatch:
         # A cue never learns from a sample of which the fold holds a copy out.
-        whole = np.bincount(training // views, minlength=len(trained_on)) == views
+        drawn = np.unique(np.arange(len(of_batch))[training]) // views
+        whole = np.bincount(drawn, minlength=len(trained_on)) == views
+        if not whole.any():
+            raise DataError(
+                "a fold holds a copy of every sample out, so that a cue has nothing to learn "
+                "from: choose folds that keep altered copies with their samples"
+            )
         of_all = learned_from(trained_on[whole])
         return of_all.training(labels, stamps, rows)[0]
 

@@ -5,7 +5,7 @@ Five classes throughout.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -15,12 +15,13 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
-from placecue import Blocks, DataError, OneAgainstAll
+from placecue import Blocks, DataError, OneAgainstAll, progress
 from placecue.classifier import Classifier
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.calibration import calibrators
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.svm import SVM
+from placecue_kernels.combined import Sum
 from placecue_kernels.hi import HistogramIntersection
 from placecue_kernels.linear import Linear
 from placecue_kernels.rbf import RBF
@@ -88,6 +89,61 @@ def test_an_svm_asks_for_the_training_rows_of_each_fold(seen: Samples, kernel: A
     svm.fit_on_learned(cue.everything(), labels, None, cue)
     expected = 2 * [training.tolist() for training, _ in splits(labels)]  # search, calibration
     assert [rows.tolist() for rows in cue.calls] == expected
+
+
+class Noting(HistogramIntersection):
+    """Notes the samples that it is fitted on."""
+
+    fitted_on: ClassVar[list[np.ndarray]] = []
+
+    def fit(self, features: np.ndarray) -> Noting:
+        self.fitted_on.append(features)
+        return super().fit(features)
+
+
+def test_scaling_and_kernel_learn_from_the_training_rows_of_each_fold(seen: Samples) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    Noting.fitted_on.clear()
+    svm = SVM(Noting(), search={"C": [1.0, 10.0]}, scaling="standard", folds=BLOCKS)
+    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    rows = [training for training, _ in splits(labels)]
+    expected = [StandardScaler().fit_transform(cue(each)[each]) for each in rows]
+    expected.append(StandardScaler().fit_transform(cue.everything()))
+    for found, wanted in zip(Noting.fitted_on, expected, strict=True):
+        np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("kernel", [RBF(1.0), Sum([RBF(1.0), Linear()])], ids=["rbf", "sum"])
+def test_every_parameter_is_searched_in_features_of_the_fold(seen: Samples, kernel: Any) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    gamma = "gamma" if isinstance(kernel, RBF) else "kernel__kernels__0__gamma"
+    tried = {"scaling": ["standard", "range"], gamma: [0.01, 3.0], "C": [0.1, 10.0]}
+    svm = SVM(kernel, search=tried, folds=BLOCKS).fit_on_learned(
+        cue.everything(), labels, None, cue
+    )
+    points = {}
+    for scaling in tried["scaling"]:
+        for value in tried[gamma]:
+            one = SVM(kernel, search={**tried, "scaling": [scaling], gamma: [value]}, folds=BLOCKS)
+            found = one.fit_on_learned(cue.everything(), labels, None, cue).search_
+            for cost, accuracy in zip(found["C"], found["balanced_accuracy"], strict=True):
+                points[scaling, value, cost] = accuracy
+    assert len(set(points.values())) > 4
+    table = (svm.search_[name] for name in ("scaling", gamma, "C", "balanced_accuracy"))
+    assert {each[:3]: each[3] for each in zip(*table, strict=True)} == pytest.approx(points)
+
+
+def test_calibrated_with_what_was_chosen(seen: Samples) -> None:
+    features, labels = seen
+    cue = Stretched(features)
+    search = {"gamma": [0.5], "C": [3.0], "scaling": ["standard"]}
+    svm = SVM(RBF(100.0), search=search, probability="sigmoid", folds=BLOCKS)
+    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    plain = SVM(RBF(0.5), C=3.0, scaling="standard", probability="sigmoid", folds=BLOCKS)
+    plain.fit_on_learned(cue.everything(), labels, None, cue)
+    assert np.array_equal(np.array(svm.calibrators_), np.array(plain.calibrators_))
 
 
 def test_a_plain_svm_asks_for_nothing(seen: Samples) -> None:
@@ -165,6 +221,42 @@ def test_folds_inside_folds_learn_from_their_own_rows(seen: Samples) -> None:
     assert [rows.tolist() for rows in cue.calls] == [rows.tolist() for rows in expected]
 
 
+def test_folds_inside_folds_are_cut_along_the_stamps(seen: Samples) -> None:
+    features, labels = np.tile(seen[0], (3, 1)), np.tile(seen[1], 3)
+    log = np.arange(len(labels)) // len(seen[1])
+    stamps = (np.arange(len(labels)) + 7200 * log) * 10**9
+    cue = Stretched(features)
+    inner = SVM(RBF(1.0), probability="sigmoid", folds={"scheme": "by_log"})
+    told: list[tuple[str, int]] = []
+
+    def report(items: Any, what: str, total: int) -> Any:
+        told.append((what, total))
+        return items
+
+    token = progress._reporter.set(report)
+    try:
+        search = GridSearch(inner, {"C": [1.0, 10.0]}, {"scheme": "by_log", "n_folds": 3})
+        search.fit_on_learned(cue.everything(), labels, stamps, cue)
+    finally:
+        progress._reporter.reset(token)
+    assert told[0] == ("searching parameters", 6)
+    logs = [np.unique(log[rows]).tolist() for rows in cue.calls]
+    assert logs[:5] == [[1, 2], [2], [1], [2], [1]]
+    assert logs[-3:] == [[1, 2], [0, 2], [0, 1]]
+
+
+def test_a_search_inside_a_search_is_made_once(seen: Samples) -> None:
+    features, labels = seen
+    inner = SVM(RBF(), search={"gamma": [0.01, 0.1]}, folds=BLOCKS)
+    search = GridSearch(inner, {"C": [1.0, 10.0]}, BLOCKS).fit(features, labels)
+    chosen = search.chosen()
+    assert chosen.search is None
+    assert (chosen.C, chosen.kernel.gamma) == (
+        search.chosen_["C"],
+        search.classifier_.chosen_["gamma"],
+    )
+
+
 def memorised(rows: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Features that tell the class of the samples learned from, and nothing of the others."""
     codes = np.unique(labels, return_inverse=True)[1]
@@ -195,6 +287,7 @@ def test_learning_by_heart_gains_nothing(seen: Samples, classifier: Classifier) 
 def test_features_of_a_fold_are_checked(seen: Samples) -> None:
     features, labels = seen
     svm = SVM(RBF(1.0), search={"C": [1.0, 10.0]})
-    for spoilt, said in ((features * np.nan, "NaN"), (features[:-1], "inconsistent numbers")):
-        with pytest.raises(DataError, match=said):
-            svm.fit_on_learned(features, labels, None, lambda rows: spoilt)  # noqa: B023
+    for classifier in (svm, GridSearch(AdaBoost(), {"rounds": [1, 2]})):
+        for spoilt, said in ((features * np.nan, "NaN"), (features[:-1], "inconsistent numbers")):
+            with pytest.raises(DataError, match=said):
+                classifier.fit_on_learned(features, labels, None, lambda rows: spoilt)  # noqa: B023

@@ -9,9 +9,9 @@ import pytest
 
 import toys
 from caching import CALLS, REGISTRY, Learning
-from placecue import Cue, Observation, Pipeline
+from placecue import Cue, DataError, Observation, Pipeline
 from placecue.classifier import Classifier
-from placecue.samples import CueSamples
+from placecue.samples import CueSamples, collect
 from placecue.storage.feature_cache import FeatureCache
 from placecue.training import train
 from placecue_classifiers.grid_search import GridSearch
@@ -112,6 +112,55 @@ class Telling(Classifier):
 
     def scores(self, features):  # type: ignore[no-untyped-def]
         raise AssertionError("not asked for")
+
+
+class Drawing(Telling):
+    """Draws rows with repetition, as bagging does, or by a mask."""
+
+    def __init__(self, drawn: object) -> None:
+        self.drawn = drawn
+
+    def fit_on_learned(self, features, labels, stamps, learned_from):  # type: ignore[no-untyped-def]
+        learned_from(np.array(self.drawn))
+        return self
+
+
+@pytest.mark.parametrize(
+    ("views", "drawn", "expected"),
+    [
+        (1, [0, 0, 1, 2], [1, 2, 4]),
+        (1, [True, False, True, False], [1, 4]),
+        (2, [0, 0, 1, 1, 2, 3], [1, 2]),
+        (2, [3, 0, 2, 1], [1, 2]),
+    ],
+)
+def test_rows_may_be_drawn_twice(views: int, drawn: list[int], expected: list[int]) -> None:
+    asked: list[list[int]] = []
+    recorded = np.arange(6.0)[:, None]
+    samples = CueSamples(recorded, (-recorded,) * (views - 1))
+
+    def learned_from(rows: np.ndarray) -> CueSamples:
+        asked.append(rows.tolist())
+        return samples
+
+    labels = np.array([*"abcabc"])
+    train(Drawing(drawn), samples, labels, None, np.array([1, 2, 4, 5]), learned_from)
+    assert asked == [expected]
+
+
+def test_a_fold_of_copies_alone() -> None:
+    recorded = np.arange(6.0)[:, None]
+    samples = CueSamples(recorded, (-recorded,))
+    with pytest.raises(DataError, match="a cue has nothing to learn from"):
+        train(Drawing([0, 2, 4]), samples, np.array([*"abcabc"]), None, None, lambda rows: samples)
+
+
+def test_samples_are_learned_from_in_their_order_and_once() -> None:
+    samples = collect(Walk(), {"heart": ByHeart()})
+    cue = ByHeart()
+    samples.fit(cue, np.array([70, 3, 3, 25]))
+    assert cue.stamps_.tolist() == samples.stamps[[3, 25, 70]].tolist()
+    assert [PLACES[code] for code in cue.codes_] == samples.labels[[3, 25, 70]].tolist()
 
 
 def test_rows_of_altered_copies_stand_for_their_samples() -> None:

@@ -7,6 +7,7 @@ import pytest
 from scipy import sparse
 from sklearn.base import clone
 from sklearn.metrics.pairwise import chi2_kernel, linear_kernel, rbf_kernel
+from sklearn.svm import SVC
 
 from placecue import DescriptorSets, UsageError
 from placecue.composition import components_of
@@ -126,6 +127,53 @@ def test_distances_are_shared_by_weights_and_gammas_inside(kind: type[Combined])
     np.testing.assert_array_equal(svm.kernel_.gram(x[:3], x), fixed.gram(x[:3], x))
     before = (kernel.weights, kernel.kernels[0].gamma, kernel.kernels[1].kernels[1].gamma)
     assert before == (None, 1.0, 2.0)
+
+
+class Squared(Sum):
+    """A kernel with a Gram matrix of its own."""
+
+    def gram(self, a, b=None):  # type: ignore[no-untyped-def]
+        return super().gram(a, b) ** 2
+
+
+def test_a_gram_matrix_of_its_own_is_trained_on_and_asked() -> None:
+    x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
+    tried = {"kernel__kernels__0__gamma": [0.1, 5.0], "C": [1.0, 10.0]}
+    for search in (None, tried):
+        svm = SVM(Squared([Chi2(1.0), Linear()]), search=search).fit(x, labels)
+        gamma = 1.0 if search is None else svm.chosen_["kernel__kernels__0__gamma"]
+        gram = (chi2_kernel(x, gamma=gamma) + linear_kernel(x)) ** 2
+        peer = SVC(kernel="precomputed", C=svm.C_, class_weight="balanced")
+        peer.fit(gram, labels == "a")
+        found = svm.scores(x).values[:, 0]
+        np.testing.assert_allclose(found, peer.decision_function(gram), atol=1e-2)
+
+
+def test_where_nothing_light_is_searched_nothing_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Chi2, "distances", None)
+    monkeypatch.setattr(Chi2, "gram", lambda self, a, b=None: chi2_kernel(a, b, self.gamma))
+    x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
+    for kernel in (Chi2(), Sum([Chi2(), Linear()])):
+        SVM(kernel, search={"C": [1.0, 10.0]}, probability="sigmoid").fit(x, labels).scores(x)
+
+
+@pytest.mark.parametrize("wrong", [-1.0, 0.0, "a"])
+def test_gammas_inside_are_checked(wrong: object) -> None:
+    x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
+    svm = SVM(Sum([Chi2()]), search={"kernel__kernels__0__gamma": [1.0, wrong]})
+    with pytest.raises(UsageError, match="kernels__0__gamma must list values above 0"):
+        svm.fit(x, labels)
+
+
+def test_searched_weights_stand_for_those_given() -> None:
+    x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
+    kernel = Sum([Chi2(), Linear()], [1])
+    assert SVM(kernel, search={"kernel__weights": [[1, 1]]}).fit(x, labels).kernel_.weights == [
+        1,
+        1,
+    ]
+    with pytest.raises(UsageError, match="needs as many weights"):
+        SVM(kernel).fit(x, labels)
 
 
 def test_descriptor_sets_can_be_summed_over() -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -108,19 +110,23 @@ class Doubled(Cue):
 
     requires = ("scan",)
 
-    def __init__(self, inner: Cue) -> None:
+    def __init__(self, inner: Cue | list[Cue] | dict[str, Cue]) -> None:
         self.inner = inner
 
     def extract(self, observation: Observation) -> np.ndarray:
-        return 2 * np.asarray(self.inner.extract(observation))
+        [inner] = {list: list, dict: dict.values}.get(type(self.inner), lambda cue: [cue])(
+            self.inner
+        )
+        return 2 * np.asarray(inner.extract(observation))
 
 
+@pytest.mark.parametrize("place", [lambda cue: cue, lambda cue: [cue], lambda cue: {"a": cue}])
 def test_so_is_another_version_of_a_cue_inside(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    place: Callable[[Cue], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for version, calls in (("1", 1), ("1", 1), ("2", 2)):
         monkeypatch.setattr(Counting, "version", version)
-        extracted(tmp_path, Doubled(Counting()))
+        extracted(tmp_path, Doubled(place(Counting())))
         assert CALLS["extract"] == calls * SAMPLES
 
 

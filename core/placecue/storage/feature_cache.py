@@ -269,7 +269,7 @@ class _Keys:
             "class": f"{kind.__module__}.{kind.__qualname__}",
             "version": cue.version,
             "libraries": _libraries(cue),
-            "inside": _versions_inside(cue),
+            "inside": _versions(cue.get_params(deep=False)),
             "parameters": parameters,
             "changed": {n: value for n, value in parameters.items() if value != usual.get(n)},
         }
@@ -284,10 +284,17 @@ def _libraries(cue: Cue) -> dict[str, str]:
     return {"opencv": cv2.__version__}
 
 
-def _versions_inside(cue: Cue) -> dict[str, str]:
-    """Return the versions of components in a cue, by their places."""
-    inside = {name: getattr(value, "version", None) for name, value in cue.get_params().items()}
-    return {name: version for name, version in inside.items() if isinstance(version, str)}
+def _versions(value: Any) -> Any:
+    """Return the versions of components in a value, in the shape of their places."""
+    if hasattr(value, "get_params") and not isinstance(value, type):
+        return [str(getattr(value, "version", "")), _versions(value.get_params(deep=False))]
+    if isinstance(value, Mapping):
+        found = {str(name): _versions(each) for name, each in value.items()}
+        return {name: each for name, each in found.items() if each}
+    if isinstance(value, (list, tuple)):
+        found_in = [_versions(each) for each in value]
+        return found_in if any(found_in) else None
+    return None
 
 
 def _plain_parameters(cue: Cue) -> dict[str, Any]:

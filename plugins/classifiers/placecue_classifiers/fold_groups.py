@@ -38,7 +38,7 @@ class FoldGroup:
     def learned(
         cls,
         features: Callable[[Rows], FeatureBatch],
-        prepared: Callable[[Setting, FeatureBatch, Rows], Prepared],
+        prepared: Callable[[Setting, FeatureBatch, Rows | None], Prepared],
         split: Split,
     ) -> FoldGroup:
         """Return the group of one fold, all of which learns from its training rows.

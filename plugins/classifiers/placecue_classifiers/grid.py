@@ -61,7 +61,8 @@ class Grid:
                     f"take it out with ~...search.{name}"
                 )
             check_listed(name, tried)
-            if name in ("C", "gamma", "kernel__gamma") and not all(_positive(v) for v in tried):
+            positive = name == "C" or name.rsplit("__", 1)[-1] == "gamma"
+            if positive and not all(map(_positive, tried)):
                 raise UsageError(f"search.{name} must list values above 0, got {list(tried)}")
         named = {"gamma" if n == "kernel__gamma" else n: list(v) for n, v in values.items()}
         if len(named) < len(values):

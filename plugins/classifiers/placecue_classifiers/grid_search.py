@@ -126,7 +126,7 @@ class GridSearch(Classifier):
 
     def chosen(self) -> Any:
         """Return the classifier itself, unfitted, with the parameters that were best."""
-        return self._with(getattr(self, "chosen_", {}))
+        return self.classifier_.chosen() if hasattr(self, "classifier_") else self._with({})
 
     def out_of_fold(
         self,
@@ -165,7 +165,9 @@ class GridSearch(Classifier):
         learned_from: FoldFeatures | None,
     ) -> Iterator[NDArray[Any]]:
         """Yield the classes of the held-out rows for every point, fold after fold."""
-        relearned = None if learned_from is None else _samples(learned_from)
+        relearned = (
+            None if learned_from is None else _samples(self.fold_features(learned_from, labels))
+        )
         for training, held_out in splits:
             samples = CueSamples(features) if relearned is None else relearned(training)
             for point in points:

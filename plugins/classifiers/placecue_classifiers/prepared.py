@@ -32,17 +32,26 @@ class Prepared:
     features : batch of n samples
         Scaled.
     shared : object
-        What its Gram matrices share: the part that the kernel's light parameters do not enter.
+        What Gram matrices for other light parameters of the kernel share; where there is only
+        one, None.
+    only : ndarray of float64, shape (n, n), or None
+        The only Gram matrix.
     """
 
     kernel: Kernel
     scaling: Scaling | None
     features: FeatureBatch
     shared: Any
+    only: Gram | None
 
     @classmethod
     def of(
-        cls, features: FeatureBatch, kernel: Kernel, how: str | None, rows: Rows | None = None
+        cls,
+        features: FeatureBatch,
+        kernel: Kernel,
+        how: str | None,
+        rows: Rows | None = None,
+        light: bool = False,
     ) -> Prepared:
         """Fit a copy of the kernel and the scaling named ``how``.
 
@@ -53,6 +62,8 @@ class Prepared:
         how : str or None
         rows : ndarray of int64, optional
             The samples to fit on; all by default.
+        light : bool
+            Whether there will be Gram matrices for other light parameters of the kernel.
 
         Raises
         ------
@@ -68,7 +79,9 @@ class Prepared:
         except UsageError as error:
             raise WrongKind(str(error)) from error
         kernel.fit(_of_rows(features, rows))
-        return cls(kernel, fitted, features, kernel.shared(features))
+        if light:
+            return cls(kernel, fitted, features, kernel.shared(features), None)
+        return cls(kernel, fitted, features, None, kernel.gram(features))
 
     @property
     def learned(self) -> bool:
@@ -76,7 +89,7 @@ class Prepared:
         return self.scaling is not None or _has_learned(self.kernel)
 
     def gram(self, light: Setting | None = None) -> Gram:
-        """Return the Gram matrix, shape (n, n), with other light parameters of the kernel if given.
+        """Return the Gram matrix, shape (n, n), with other light parameters of the kernel if any.
 
         Raises
         ------
@@ -84,7 +97,8 @@ class Prepared:
             If a value is not finite.
         """
         kernel = self.with_light(light)
-        return _finite(kernel.from_shared(self.shared), kernel)
+        gram = kernel.from_shared(self.shared) if self.only is None else self.only
+        return _finite(gram, kernel)
 
     def with_light(self, light: Setting | None = None) -> Kernel:
         """Return the fitted kernel, or a copy of it with light parameters as named in a grid."""

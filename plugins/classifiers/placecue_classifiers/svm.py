@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -24,7 +24,7 @@ from placecue.scores import (
     Scores,
 )
 from placecue_classifiers import calibration
-from placecue_classifiers.fold_groups import FoldGroup, Split, folds
+from placecue_classifiers.fold_groups import FoldGroup, folds
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
 from placecue_classifiers.machines import Machines, one_against_all, one_against_one
 from placecue_classifiers.prepared import Preparations, Prepared
@@ -68,8 +68,8 @@ class SVM(Classifier):
     refit : bool
         After the search, train on all samples. If not, those that the one fold held out have
         chosen the parameters and are left at that: with ``folds={"scheme": "by_log",
-        "only_last": True}`` the machines are trained on the logs before the last. Scaling and
-        kernel have seen all samples either way.
+        "only_last": True}`` the machines are trained on the logs before the last. Cue, scaling
+        and kernel have learned from all samples either way.
 
     Attributes
     ----------
@@ -162,15 +162,17 @@ class SVM(Classifier):
         self._check_parameters()
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)
-        prepare = Preparations(lambda setting: self.with_setting(setting).prepared(features))
+        grid = self._grid()
+        prepared_for = self._preparing(grid)
+        prepare = Preparations(lambda setting: prepared_for(setting, features, None))
         svm, setting, rows = self, Setting(), np.arange(len(codes))
         groups: list[FoldGroup] = []
-        grid = self._grid()
         if self.search or self.probability:
             splits = self._splits(codes, stamps)
             groups = [FoldGroup(lambda: prepare, splits)]
             if learned_from is not None:
-                groups = self._learned_groups(learned_from, labels, splits)
+                of_fold = self.fold_features(learned_from, labels)
+                groups = [FoldGroup.learned(of_fold, prepared_for, split) for split in splits]
         if self.search:
             rows = rows if self.refit else _one_training_part(splits)
             self.search_ = search(grid, groups, self.with_setting, codes, self.class_names)
@@ -251,10 +253,12 @@ class SVM(Classifier):
         copy._check_parameters()
         return copy
 
-    def prepared(self, features: FeatureBatch, rows: Rows | None = None) -> Prepared:
-        """Return n samples scaled, with the kernel; both fitted on the given rows, or all."""
+    def prepared(
+        self, features: FeatureBatch, rows: Rows | None = None, light: bool = False
+    ) -> Prepared:
+        """Return n samples scaled, with the kernel; see :meth:`Prepared.of`."""
         assert self.kernel is not None
-        return Prepared.of(features, self.kernel, self.scaling, rows)
+        return Prepared.of(features, self.kernel, self.scaling, rows, light)
 
     def machines(self, gram: Gram, codes: NDArray[np.int64], names: Sequence[str]) -> Machines:
         """Train the binary machines on an (n, n) Gram matrix."""
@@ -318,16 +322,11 @@ class SVM(Classifier):
         layout = self.machine_layout(names, machines, block, of_block)
         return layout, machines.decide(gram[np.ix_(held_out, training)])
 
-    def _learned_groups(
-        self, learned_from: FoldFeatures, labels: ArrayLike, splits: Sequence[Split]
-    ) -> list[FoldGroup]:
-        def features(rows: Rows) -> FeatureBatch:
-            return self.with_setting({}).training_samples(learned_from(rows), labels)
-
-        def prepared(setting: Setting, of_fold: FeatureBatch, rows: Rows) -> Prepared:
-            return self.with_setting(setting).prepared(of_fold, rows)
-
-        return [FoldGroup.learned(features, prepared, split) for split in splits]
+    def _preparing(self, grid: Grid) -> Callable[[Setting, FeatureBatch, Rows | None], Prepared]:
+        light = bool(grid.lights()[0])
+        return lambda setting, features, rows: self.with_setting(setting).prepared(
+            features, rows, light
+        )
 
     def _grid(self) -> Grid:
         assert self.kernel is not None

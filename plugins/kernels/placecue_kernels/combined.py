@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from typing import Any, Self
 
@@ -75,7 +75,13 @@ class Combined(Kernel):
 
     @property
     def light_parameters(self) -> tuple[str, ...]:
-        """The weights, and those of each kernel, as ``kernels__0__NAME``."""
+        """The weights, and those of each kernel, as ``kernels__0__NAME``.
+
+        None in a class with a :meth:`gram` of its own, unless :meth:`from_shared` goes with it.
+        """
+        own = type(self)
+        if own.gram is not Combined.gram and own.from_shared is Combined.from_shared:
+            return ()
         inside = (
             f"kernels__{number}__{name}"
             for number, kernel in enumerate(self.kernels)
@@ -90,20 +96,17 @@ class Combined(Kernel):
 
     def fit(self, features: FeatureBatch) -> Self:
         """Fit a copy of every kernel on training features."""
-        self._checked_weights()
         self.kernels_ = [clone(kernel).fit(features) for kernel in self.kernels]
         return self
 
     def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> list[Any]:
         """Return what the kernels share each."""
-        self._checked_weights()
         return [kernel.shared(a, b) for kernel in getattr(self, "kernels_", self.kernels)]
 
     def from_shared(self, shared: Sequence[Any]) -> Gram:
         """Return the combined kernel, shape (n, m), from what its kernels share."""
         kernels = getattr(self, "kernels_", self.kernels)
-        of_each = zip(kernels, shared, self._checked_weights(), strict=True)
-        return reduce(self._join, (self._weighted(k.from_shared(s), w) for k, s, w in of_each))
+        return self._joined(k.from_shared(s) for k, s in zip(kernels, shared, strict=True))
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the combined kernel, shape (n, m).
@@ -114,15 +117,20 @@ class Combined(Kernel):
             If there is no kernel, the weights do not go with the kernels, or one of these cannot
             take the features.
         """
-        return self.from_shared(self.shared(a, b))
+        return self._joined(k.gram(a, b) for k in getattr(self, "kernels_", self.kernels))
+
+    def _joined(self, grams: Iterable[Gram]) -> Gram:
+        weights = self._checked_weights()
+        # One after the other: each may be large.
+        return reduce(self._join, map(self._weighted, grams, weights))
 
     @abstractmethod
     def _weighted(self, gram: Gram, weight: float) -> Gram:
-        """Return a kernel under its weight."""
+        """Return a kernel under its weight, and leave the kernel as it is."""
 
     @abstractmethod
     def _join(self, one: Gram, other: Gram) -> Gram:
-        """Return two kernels joined."""
+        """Return two weighted kernels joined."""
 
     def _checked_weights(self) -> Sequence[float]:
         name = type(self).__name__.lower()

@@ -57,6 +57,17 @@ def test_shows_what_is_kept(trained: Path, log_a: Path) -> None:
     assert shown[-1].startswith("kept: ")
 
 
+def test_what_was_learned_fold_by_fold_is_one_line(tmp_path: Path, log_a: Path) -> None:
+    words = ["cue=bag_of_words", "integrator=none", "cues.bag_of_words.words=8"]
+    succeeds("train", *words, f"log={log_a}", "out=words", "cache.folder=kept")
+    shown = [line.split() for line in succeeds("cache", "cache.folder=kept").out.splitlines()]
+    times = str(len(list(Path("kept", "learned").iterdir())))
+    assert int(times) > 3  # all samples, and the folds
+    features = ["a.mcap", "bag_of_words", "1", times, "x", "96"]
+    learned = ["bag_of_words", "1,", "what", "it", "learned", times, "x"]
+    assert sorted(row[:-3] for row in shown[1:-1]) == sorted([features, learned])
+
+
 def test_trims_on_request(trained: Path) -> None:
     told = succeeds("cache", "cache.folder=kept", "unused_days=1").out.splitlines()
     assert told[0] == "removed 0.0 MB"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from placecue.commands import tables
@@ -27,20 +27,34 @@ def run(config: dict[str, Any]) -> None:
     kept = contents(folder)
     if kept:
         tables.table(
-            ["log", "cue, version", "samples", "MB", "last used", "parameters"], map(_row, kept)
+            ["log", "cue, version", "samples", "MB", "last used", "parameters"], _rows(kept)
         )
     total = sum(each.size for each in kept)
     print(f"{folder}: {total / _MEGA:.1f} MB")
 
 
-def _row(kept: Kept) -> list[str]:
+def _rows(kept: Sequence[Kept]) -> Iterator[list[str]]:
+    """Yield a row for each log and cue; what a cue has learned fold by fold is counted."""
+    alike: dict[tuple[str, str, str], list[Kept]] = {}
+    for each in kept:
+        alike.setdefault(_kind(each), []).append(each)
+    for (log, cue, parameters), of_kind in alike.items():
+        times = f"{len(of_kind)} x " if len(of_kind) > 1 else ""
+        samples = "" if _learned(of_kind[0]) else f"{max(each.samples for each in of_kind)}"
+        size = f"{sum(each.size for each in of_kind) / _MEGA:.1f}"
+        used = _ago(max(each.used for each in of_kind))
+        yield [log, cue, f"{times}{samples}".rstrip(), size, used, parameters]
+
+
+def _kind(kept: Kept) -> tuple[str, str, str]:
     about = kept.about
-    learned = "seen" in about
-    what = "what it learned" if learned else about.get("altered")
+    what = "what it learned" if _learned(kept) else about.get("altered")
     cue = f"{about.get('cue')} {about.get('version')}" + (f", {what}" if what else "")
-    samples = "" if learned else str(kept.samples)
-    size = f"{kept.size / _MEGA:.1f}"
-    return [str(about.get("log")), cue, samples, size, _ago(kept.used), _parameters(about)]
+    return "" if _learned(kept) else str(about.get("log")), cue, _parameters(about)
+
+
+def _learned(kept: Kept) -> bool:
+    return "seen" in kept.about
 
 
 def _parameters(about: Mapping[str, Any]) -> str:

@@ -80,6 +80,32 @@ def test_every_searched_parameter_is_shown_and_every_point_written(
         assert cv2.imread(str(out / "search" / f"{name}.png")) is not None
 
 
+@pytest.mark.parametrize(
+    ("searched", "axes"),
+    [
+        (["gamma", "C"], {"across": "gamma", "up": "C"}),
+        (["C"], {"up": "C"}),
+        (["kernel__weight", "kernel__k__gamma", "C"], {"across": "kernel__k__gamma", "up": "C"}),
+        (["rounds"], {"across": "rounds"}),
+        (["rounds", "depth"], {"across": "rounds", "up": "depth"}),
+    ],
+)
+def test_the_axes_of_a_heat_map(
+    searched: list[str], axes: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[dict[str, str]] = []
+
+    def drawn(results: object, path: Path, title: str = "", **given: str) -> None:
+        told.append(given)
+
+    monkeypatch.setattr(training_report, "draw_search", drawn)
+    points = {name: [1.0, 2.0] for name in searched}
+    svm = SVM(kernel=RBF(0.1)).fit(np.eye(4), list("abcd"))
+    svm.search_ = {**points, "multiclass": ["oaa", "oao"], "balanced_accuracy": [0.4, 0.5]}
+    training_report.write_training_report(Pipeline({"beams": (Beams(), svm)}), tmp_path)
+    assert told == [axes]
+
+
 def test_nothing_searched_and_no_probabilities_leave_nothing(tmp_path: Path, log_a: Path) -> None:
     out = tmp_path / "m"
     words = ["train", *LASER, f"log={log_a}", f"out={out}"]

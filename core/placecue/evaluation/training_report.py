@@ -56,15 +56,16 @@ def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, P
 
 
 def _axes(results: Results) -> dict[str, str]:
-    """Return the axes of a heat map: gamma and C, else the first parameters that are numbers."""
-    if not {"C", "gamma"}.isdisjoint(results):
-        return {"across": "gamma", "up": "C"}
+    """Return the axes of a heat map: gamma and C, where they were not searched other numbers."""
     numbers = [
         name
         for name, values in results.items()
         if name != SCORE and all(isinstance(value, (int, float)) for value in values)
     ]
-    return dict(zip(("across", "up"), numbers, strict=False))
+    # Gamma of a kernel inside another one is called by its place there.
+    others = sorted((name for name in numbers if name != "C"), key=lambda n: "gamma" not in n)
+    across, up = others[:1], ["C"] if "C" in numbers else others[1:2]
+    return {axis: name for axis, names in (("across", across), ("up", up)) for name in names}
 
 
 def _clear(pipeline: Pipeline, folder: Path) -> None:

@@ -168,8 +168,8 @@ class Bench:
         cue, truth = components(config)[0], log.labels[rows[held_out]]
         if cue.learns:
             learned = LearnedFeatures(log, cue, rows)
-            times = log.labels[rows], log.stamps[rows]
-            fold = Fold(learned(training), *times, training, held_out, {}, learned)
+            told = log.labels[rows], log.stamps[rows]
+            fold = Fold(learned(training), *told, training, held_out, {}, learned)
         else:
             if self.samples is None:
                 self.samples = log.samples(cue, range(len(log.labels)))

@@ -91,8 +91,8 @@ class Fold:
     def _looked_up(self, svm: SVM) -> tuple[SVM, CueSamples]:
         """Return an SVM on the numbers of samples where its kernel learns nothing from them."""
         kernel, features = svm.kernel, self.samples.features
-        learned = self.learned_from is not None or kind_of(features) is FeatureKind.DENSE
-        if learned or not isinstance(kernel, DistanceKernel):
+        own = self.learned_from is not None or kind_of(features) is FeatureKind.DENSE
+        if own or not isinstance(kernel, DistanceKernel):
             return svm, self.samples
         name = type(kernel).__name__
         if name not in self.grams:

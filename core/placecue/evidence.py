@@ -209,11 +209,9 @@ def _fitted_anew(
     splits: Iterable[tuple[Rows, Rows]],
 ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
     """Yield held-out rows with their scores; each fold has features and copies of its own."""
+    learned_from = None if isinstance(samples, CueSamples) else samples
     for training, held_out in splits:
-        if isinstance(samples, CueSamples):
-            of_fold, learned_from = samples, None
-        else:
-            of_fold, learned_from = samples(training), samples
+        of_fold = samples if isinstance(samples, CueSamples) else samples(training)
         copy = train(classifier.chosen(), of_fold, labels, stamps, training, learned_from)
         yield held_out, copy.scores(take(of_fold.features, held_out)).values
 

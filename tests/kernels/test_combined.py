@@ -154,7 +154,8 @@ def test_where_nothing_light_is_searched_nothing_is_kept(monkeypatch: pytest.Mon
     monkeypatch.setattr(Chi2, "gram", lambda self, a, b=None: chi2_kernel(a, b, self.gamma))
     x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
     for kernel in (Chi2(), Sum([Chi2(), Linear()])):
-        SVM(kernel, search={"C": [1.0, 10.0]}, probability="sigmoid").fit(x, labels).scores(x)
+        svm = SVM(kernel, search={"C": [1.0, 10.0]}, probability="sigmoid").fit(x, labels)
+        np.testing.assert_allclose(svm.scores(x).values.sum(axis=1), 1)
 
 
 @pytest.mark.parametrize("wrong", [-1.0, 0.0, "a"])

@@ -73,36 +73,30 @@ class GridSearch(Classifier):
         DataError
             If the classifier refuses the samples, or they cannot be cut into folds.
         """
-        return self._fit(features, labels, stamps)
+        return self.fit_on_learned(features, labels, stamps)
 
     def fit_on_learned(
         self,
         features: FeatureBatch,
         labels: ArrayLike,
-        stamps: ArrayLike | None,
-        learned_from: FoldFeatures,
+        stamps: ArrayLike | None = None,
+        learned_from: FoldFeatures | None = None,
     ) -> Self:
         """Search, then train, on features of a cue that has learned from them.
 
         In every fold the cue learns from its training rows only; see
         :meth:`placecue.classifier.Classifier.fit_on_learned`.
         """
-        return self._fit(features, labels, stamps, learned_from)
-
-    def _fit(
-        self,
-        features: FeatureBatch,
-        labels: ArrayLike,
-        stamps: ArrayLike | None,
-        learned_from: FoldFeatures | None = None,
-    ) -> Self:
         points = self._points()
         scheme = fold_scheme(self.folds)
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)
         given, times = self.labels_[codes], None if stamps is None else np.asarray(stamps)
         splits = list(scheme.split(np.asarray(self.class_names)[codes], times))
-        found = self._predicted(points, features, given, times, splits, learned_from)
+        samples, relearned = CueSamples(features), None
+        if learned_from is not None:
+            relearned = _samples(self.fold_features(learned_from, labels))
+        found = self._predicted(points, samples, given, times, splits, relearned)
         predicted = list(track(found, "searching parameters", len(splits) * len(points)))
         truth = np.concatenate([given[held_out] for _, held_out in splits])
         self.search_: dict[str, list[Any]] = {name: [] for name in (*points[0], SCORE)}
@@ -111,11 +105,8 @@ class GridSearch(Classifier):
             for name, value in {**point, SCORE: balanced_accuracy(truth, of_point)}.items():
                 self.search_[name].append(value)
         self.chosen_ = best_of(self.search_)
-        self.classifier_ = self._with(self.chosen_)
-        if learned_from is None:
-            self.classifier_.fit(features, given, times)
-        else:
-            self.classifier_.fit_on_learned(features, given, times, learned_from)
+        best = self._with(self.chosen_)
+        self.classifier_ = train(best, samples, given, times, learned_from=relearned)
         self.layout_ = self.classifier_.layout_
         return self
 
@@ -158,21 +149,18 @@ class GridSearch(Classifier):
     def _predicted(
         self,
         points: Sequence[Setting],
-        features: FeatureBatch,
+        samples: CueSamples,
         labels: NDArray[Any],
         stamps: NDArray[np.int64] | None,
         splits: Sequence[tuple[Rows, Rows]],
-        learned_from: FoldFeatures | None,
+        learned_from: LearnedFrom | None,
     ) -> Iterator[NDArray[Any]]:
         """Yield the classes of the held-out rows for every point, fold after fold."""
-        relearned = (
-            None if learned_from is None else _samples(self.fold_features(learned_from, labels))
-        )
         for training, held_out in splits:
-            samples = CueSamples(features) if relearned is None else relearned(training)
+            of_fold = samples if learned_from is None else learned_from(training)
             for point in points:
-                copy = train(self._with(point), samples, labels, stamps, training, relearned)
-                yield copy.predict(take(samples.features, held_out))
+                copy = train(self._with(point), of_fold, labels, stamps, training, learned_from)
+                yield copy.predict(take(of_fold.features, held_out))
 
     def __sklearn_tags__(self) -> Any:
         """Return what scikit-learn is told of the estimator: what the classifier says of itself."""

@@ -136,29 +136,20 @@ class SVM(Classifier):
             If there is one class only, a feature is NaN or infinite, or, where folds are needed,
             a class has one sample only.
         """
-        return self._fit(features, labels, stamps)
+        return self.fit_on_learned(features, labels, stamps)
 
     def fit_on_learned(
         self,
         features: FeatureBatch,
         labels: ArrayLike,
-        stamps: ArrayLike | None,
-        learned_from: FoldFeatures,
+        stamps: ArrayLike | None = None,
+        learned_from: FoldFeatures | None = None,
     ) -> Self:
         """Train on features of a cue that has learned from them.
 
         In every fold of search and calibration cue, scaling and kernel learn from its training
         rows only; see :meth:`placecue.classifier.Classifier.fit_on_learned`.
         """
-        return self._fit(features, labels, stamps, learned_from)
-
-    def _fit(
-        self,
-        features: FeatureBatch,
-        labels: ArrayLike,
-        stamps: ArrayLike | None,
-        learned_from: FoldFeatures | None = None,
-    ) -> Self:
         self._check_parameters()
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)

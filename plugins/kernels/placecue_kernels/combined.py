@@ -101,12 +101,11 @@ class Combined(Kernel):
 
     def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> list[Any]:
         """Return what the kernels share each."""
-        return [kernel.shared(a, b) for kernel in getattr(self, "kernels_", self.kernels)]
+        return [kernel.shared(a, b) for kernel in self._in_use]
 
     def from_shared(self, shared: Sequence[Any]) -> Gram:
         """Return the combined kernel, shape (n, m), from what its kernels share."""
-        kernels = getattr(self, "kernels_", self.kernels)
-        return self._joined(k.from_shared(s) for k, s in zip(kernels, shared, strict=True))
+        return self._joined(k.from_shared(s) for k, s in zip(self._in_use, shared, strict=True))
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the combined kernel, shape (n, m).
@@ -117,7 +116,11 @@ class Combined(Kernel):
             If there is no kernel, the weights do not go with the kernels, or one of these cannot
             take the features.
         """
-        return self._joined(k.gram(a, b) for k in getattr(self, "kernels_", self.kernels))
+        return self._joined(kernel.gram(a, b) for kernel in self._in_use)
+
+    @property
+    def _in_use(self) -> Sequence[Kernel]:
+        return getattr(self, "kernels_", self.kernels)
 
     def _joined(self, grams: Iterable[Gram]) -> Gram:
         weights = self._checked_weights()

@@ -31,13 +31,13 @@ from sklearn.base import clone
 
 from placecue import Cue, Observation
 from placecue.classifier import Classifier
-from placecue.composition import build_pipeline
-from placecue.config import build, plain
-from placecue.discovery.manager import load_plugins
-from placecue.discovery.options import register_with_hydra
+from placecue.components.build import build, plain
+from placecue.components.manager import load_plugins
+from placecue.components.options import register_with_hydra
+from placecue.components.pipelines import build_pipeline
 from placecue.errors import PlacecueError
 from placecue.folds import Rows, fold_scheme
-from placecue.samples import CueSamples
+from placecue.learning.samples import CueSamples
 
 PAGE = Path(__file__).parents[1] / "docs" / "cues_and_classifiers.md"
 REGISTRY = load_plugins(built_ins_only=True).registry

@@ -15,8 +15,8 @@ from placecue.classifier import Classifier
 from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
 from placecue.folds import Rows
 from placecue.kernel import DistanceKernel, Gram
-from placecue.samples import CueSamples, LearnedFrom
-from placecue.training import train
+from placecue.learning.samples import CueSamples, LearnedFrom
+from placecue.learning.training import train
 from placecue_classifiers.search import SCORE, best_of
 from placecue_classifiers.svm import SVM
 

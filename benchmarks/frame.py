@@ -25,7 +25,7 @@ from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.match import Match
 from placecue_kernels.rbf import RBF
-from placecue_sources.office import Office
+from placecue_office.simulator import Office
 
 THREADS = int(os.environ["OMP_NUM_THREADS"])
 #: Samples a second that make 950 training frames of a drive, and fewer of other drives.

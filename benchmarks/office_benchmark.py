@@ -29,7 +29,7 @@ from sklearn.metrics import balanced_accuracy_score, recall_score
 
 from placecue.cue import Cue
 from placecue.evidence import StoredEvidence
-from placecue.samples import Samples, collect
+from placecue.learning.samples import Samples, collect
 from placecue.scores import Scores
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
@@ -37,7 +37,7 @@ from placecue_cues.laser import LaserGeometry
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.rbf import RBF
-from placecue_sources.office import Office
+from placecue_office.simulator import Office
 
 LIGHTS = ("cloudy", "night", "sunny")
 PARTNER = {1: 2, 2: 1, 3: 4, 4: 3}  # close in time

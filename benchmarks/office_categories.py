@@ -11,9 +11,9 @@ import numpy as np
 from sklearn.metrics import balanced_accuracy_score, recall_score
 
 from placecue.evidence import StoredEvidence
+from placecue.learning.samples import collect
 from placecue.observation import Observation
 from placecue.pipeline import Pipeline
-from placecue.samples import collect
 from placecue.scores import Scores
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
@@ -21,7 +21,7 @@ from placecue_cues.laser import LaserGeometry
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.rbf import RBF
-from placecue_sources.office import Office
+from placecue_office.simulator import Office
 
 #: Categories that both buildings have; other rooms are left out.
 CATEGORIES = {

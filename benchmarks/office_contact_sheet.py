@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.observation import Image, Pose2D
-from placecue_sources.office import Office
+from placecue_office.simulator import Office
 
 CONDITIONS = [(run, light) for light in ("cloudy", "night", "sunny") for run in (1, 3)]
 MOMENTS = (0.3, 0.6)

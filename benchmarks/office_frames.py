@@ -9,7 +9,7 @@ from time import perf_counter
 
 import cv2
 
-from placecue_sources.office import Office
+from placecue_office.simulator import Office
 
 WANTED = 60.0
 

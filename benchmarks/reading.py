@@ -19,11 +19,11 @@ from mcap_ros2._dynamic import serialize_dynamic
 from mcap_ros2.decoder import DecoderFactory
 
 from placecue.logs import open_log
-from placecue.logs.container import LogFile
-from placecue.logs.direct import direct_decoder
-from placecue.logs.messages import Written
-from placecue.logs.ros2_messages import Ros2Dialect
-from placecue.logs.writer import McapWriter
+from placecue.logs.mcap.container import LogFile
+from placecue.logs.messages.direct import direct_decoder
+from placecue.logs.messages.kinds import Written
+from placecue.logs.messages.ros2_messages import Ros2Dialect
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import PARTS, EncodedImage, LaserScan, Observation, Pose2D
 
 RATE, BEAMS = 10, 361

@@ -31,7 +31,7 @@ from placecue_cues.crfh import CRFH
 from placecue_cues.laser import LaserGeometry
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.rbf import RBF
-from placecue_sources.office.simulator import Office
+from placecue_office.simulator import Office
 
 SAMPLES = 950
 COSTS = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4]

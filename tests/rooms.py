@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from placecue import LaserScan, Observation, Pose2D, Source
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import EncodedImage
 
 SECOND = 1_000_000_000

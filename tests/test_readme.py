@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from placecue.cli import COMMANDS
-from placecue.logs.convert import copy
-from placecue.logs.writer import McapWriter
-from placecue_sources.office import Office
+from placecue.commands.names import COMMANDS
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
+from placecue_office.simulator import Office
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

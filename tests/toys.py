@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from placecue import Component, Cue, LaserScan, Observation, Pipeline, Pose2D, Source
-from placecue.discovery.manager import load_plugins
-from placecue.discovery.registry import Registry
+from placecue.components.manager import load_plugins
+from placecue.components.registry import Registry
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
     from placecue.classifier import Classifier
+    from placecue.components.hooks import Component, hookimpl
     from placecue.cue import Cue
-    from placecue.discovery.hooks import Component, hookimpl
     from placecue.errors import (
         DataError,
         PlacecueError,
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from placecue.folds import Blocks, ByLog, FoldScheme, InterleavedChunks, Shuffled
     from placecue.integrator import Integrator
     from placecue.kernel import DistanceKernel, Kernel
+    from placecue.learning.rejection import Unknown
     from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
     from placecue.pipeline import Pipeline
-    from placecue.rejection import Unknown
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -53,7 +53,7 @@ _MODULES = {
     "camera": ("PinholeCamera",),
     "classifier": ("Classifier",),
     "cue": ("Cue",),
-    "discovery.hooks": ("Component", "hookimpl"),
+    "components.hooks": ("Component", "hookimpl"),
     "errors": ("DataError", "PlacecueError", "PluginError", "UnusableObservation", "UsageError"),
     "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence"),
     "features": ("DescriptorSets", "FeatureBatch", "FeatureKind", "Features"),
@@ -63,7 +63,7 @@ _MODULES = {
     "kernel": ("DistanceKernel", "Kernel"),
     "observation": ("EncodedImage", "LaserScan", "Observation", "Pose2D"),
     "pipeline": ("Pipeline",),
-    "rejection": ("Unknown",),
+    "learning.rejection": ("Unknown",),
     "scores": (
         "Decision",
         "DecisionList",

@@ -9,19 +9,9 @@ import os
 import sys
 from collections.abc import Sequence
 
+from placecue.commands.names import COMMANDS
 from placecue.errors import PlacecueError, UsageError, choices
 
-COMMANDS = {
-    "demo": "make sample logs, train, classify, label; writes a report and a map",
-    "train": "log(s) -> model folder",
-    "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
-    "label": "model + log -> semantic map, online in one pass",
-    "convert": "any source -> MCAP",
-    "annotate": "MCAP log + rooms -> a copy with labels",
-    "info": "what is in a log, and which topics would be used",
-    "cache": "the features that are kept between runs; shows and trims them",
-    "plugins": "the components that are installed, and plugins that do not load",
-}
 #: Set to 1 for full tracebacks; ``hydra.verbose=true`` does it for one run.
 TRACEBACK = "PLACECUE_TRACEBACK"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
+from placecue.commands.names import COMMANDS
 from placecue.errors import UsageError
 
 SHELLS = ("bash", "fish")
@@ -40,8 +41,6 @@ def complete(words: list[str]) -> int:
 
 
 def _query(shell: str) -> int:
-    from placecue.cli import COMMANDS
-
     line = os.environ.get("COMP_LINE", "").replace(" --no-plugins ", " ")
     typed = line.split()
     if len(typed) < 2 or (len(typed) == 2 and not line.endswith(" ")):

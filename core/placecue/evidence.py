@@ -15,11 +15,11 @@ from placecue.errors import DataError, UsageError, choices
 from placecue.extraction import Extraction
 from placecue.features import take
 from placecue.folds import FoldScheme, Rows
+from placecue.learning.samples import CueSamples, LearnedFrom
+from placecue.learning.training import train
 from placecue.observation import Observation
 from placecue.progress import track
-from placecue.samples import CueSamples, LearnedFrom
 from placecue.scores import Layout, Scores
-from placecue.training import train
 
 #: The cues of a pipeline, each with its classifier, in order of cost.
 CueModels: TypeAlias = Mapping[str, tuple[Cue, Classifier]]

@@ -25,10 +25,10 @@ from omegaconf.errors import (
     OmegaConfBaseException,
 )
 
-from placecue.config import plain
-from placecue.discovery.hooks import Kind
-from placecue.discovery.manager import current_plugins
-from placecue.discovery.options import BUILT_IN_CONFIGS, register_with_hydra
+from placecue.components.build import plain
+from placecue.components.hooks import Kind
+from placecue.components.manager import current_plugins
+from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.errors import PlacecueError, UsageError, choices
 
 
@@ -38,7 +38,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     Parameters
     ----------
     command : str
-        One of :data:`placecue.cli.COMMANDS`; its primary config has the same name.
+        One of :data:`placecue.commands.names.COMMANDS`; its primary config has the same name.
     overrides : list of str
         What stands after it on the command line.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from placecue.accumulator import AreaUpdate
 from placecue.belief import Belief
-from placecue.discovery.manager import Plugins
+from placecue.components.manager import Plugins
 from placecue.observation import Observation
 
 

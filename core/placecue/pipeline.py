@@ -22,16 +22,16 @@ from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import Evidence, ObservedEvidence, OutOfFold, StoredEvidence, scored_rows
 from placecue.extraction import Extraction
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
-from placecue.held_out import HeldOut
 from placecue.integrator import Integrator, OnlyCue
+from placecue.learning.held_out import HeldOut
+from placecue.learning.rejection import Rejection, Unknown
+from placecue.learning.samples import Samples, collect
+from placecue.learning.training import train
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
-from placecue.rejection import Rejection, Unknown
-from placecue.samples import Samples, collect
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
-from placecue.training import train
 
 log = logging.getLogger(__name__)
 

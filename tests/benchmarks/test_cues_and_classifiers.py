@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from placecue.samples import CueSamples
+from placecue.learning.samples import CueSamples
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
 

@@ -14,7 +14,7 @@ from sklearn.naive_bayes import GaussianNB
 from command_line import succeeds
 from placecue import Blocks, DataError, UsageError
 from placecue.evidence import OutOfFold
-from placecue.samples import CueSamples
+from placecue.learning.samples import CueSamples
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.scikit_learn import ScikitLearn

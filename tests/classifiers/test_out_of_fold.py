@@ -10,7 +10,7 @@ import pytest
 from placecue import Blocks, DescriptorSets, FeatureBatch, InterleavedChunks, Kernel
 from placecue.classifier import Classifier
 from placecue.evidence import OutOfFold
-from placecue.samples import CueSamples
+from placecue.learning.samples import CueSamples
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2

@@ -7,11 +7,11 @@ import pytest
 from hydra import compose, initialize_config_module
 from omegaconf import OmegaConf
 
-from placecue.cli import COMMANDS
-from placecue.config import plain
-from placecue.discovery.hooks import KINDS
-from placecue.discovery.manager import load_plugins
-from placecue.discovery.options import option_files, register_with_hydra
+from placecue.commands.names import COMMANDS
+from placecue.components.build import plain
+from placecue.components.hooks import KINDS
+from placecue.components.manager import load_plugins
+from placecue.components.options import option_files, register_with_hydra
 
 REGISTRY = load_plugins(built_ins_only=True).registry
 OPTIONS = [option for option in option_files("pkg://placecue_conf") if "/" in option]

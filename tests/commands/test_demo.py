@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from command_line import placecue
-from placecue.discovery.manager import load_plugins
+from placecue.components.manager import load_plugins
 from placecue.semantic_map import SemanticMap
 from placecue.storage.model import load_model
 from results import check_metrics, messages, rows

@@ -9,7 +9,7 @@ import yaml
 
 from command_line import SCRIPT, placecue, script, succeeds
 from placecue import __version__
-from placecue.cli import COMMANDS
+from placecue.commands.names import COMMANDS
 
 NEEDED = {
     "classify": ["model=m", "log=a.mcap"],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from command_line import placecue, succeeds
-from placecue.discovery.manager import load_plugins
+from placecue.components.manager import load_plugins
 from placecue.pipeline import Pipeline
 from placecue.storage.model import load_model
 from rooms import ROOMS, Rooms

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from command_line import succeeds
-from placecue.discovery.manager import load_plugins
+from placecue.components.manager import load_plugins
 from placecue.pipeline import Pipeline
 from placecue.storage.model import load_model
 from rooms import ROOMS, Rooms

@@ -12,7 +12,7 @@ from sklearn.calibration import calibration_curve
 
 from command_line import Told, placecue, succeeds
 from placecue import Pipeline, PlacecueError
-from placecue.discovery.manager import load_plugins
+from placecue.components.manager import load_plugins
 from placecue.evaluation import training_report
 from placecue.evaluation.training_report import held_out_reliability, searches
 from placecue.folds import InterleavedChunks

@@ -11,7 +11,7 @@ import pytest
 
 from command_line import Told, placecue, succeeds
 from placecue import LaserScan, Observation
-from placecue.discovery.manager import load_plugins
+from placecue.components.manager import load_plugins
 from placecue.storage.model import load_model
 from results import check_metrics, messages, rows
 from rooms import ANGLES, RANGE_MAX, ROOMS, SECOND, START, Rooms, write_log

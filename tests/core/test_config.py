@@ -4,9 +4,9 @@ import pytest
 from omegaconf import OmegaConf
 
 from placecue import Blocks, UsageError
-from placecue.composition import build_pipeline, describe_pipeline
-from placecue.config import build, describe
-from placecue.discovery.registry import Registry
+from placecue.components.build import build, describe
+from placecue.components.pipelines import build_pipeline, describe_pipeline
+from placecue.components.registry import Registry
 from placecue.folds import fold_scheme
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF

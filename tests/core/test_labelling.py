@@ -11,8 +11,8 @@ from placecue.evaluation.surroundings import Surroundings
 from placecue.evaluation.tally import Tally
 from placecue.labelling import run_log
 from placecue.logs import open_log
-from placecue.logs.annotated import AnnotatedLog
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.annotated import AnnotatedLog
+from placecue.logs.writing.writer import McapWriter
 from placecue.storage.belief_table import belief_table
 from placecue_accumulators.node import NodeLeft
 from placecue_accumulators.spatiotemporal import SpatioTemporal

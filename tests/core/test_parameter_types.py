@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from placecue.components.parameter_types import fits, in_words, misfits
 from placecue.kernel import Kernel
-from placecue.parameter_types import fits, in_words, misfits
 from placecue_kernels.rbf import RBF
 
 if TYPE_CHECKING:

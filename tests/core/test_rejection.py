@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from placecue import DataError, UsageError
-from placecue.rejection import choose_threshold
+from placecue.learning.rejection import choose_threshold
 
 
 def test_worked_by_hand() -> None:

@@ -22,7 +22,7 @@ from placecue import (
 )
 from placecue.classifier import Classifier
 from placecue.evidence import OutOfFold
-from placecue.samples import collect
+from placecue.learning.samples import collect
 from placecue_classifiers.svm import SVM
 from placecue_cues.laser import LaserGeometry
 from placecue_integrators.svm_das import SVMDAS

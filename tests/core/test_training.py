@@ -11,9 +11,9 @@ import toys
 from caching import CALLS, REGISTRY, Learning
 from placecue import Cue, DataError, Observation, Pipeline
 from placecue.classifier import Classifier
-from placecue.samples import CueSamples, collect
+from placecue.learning.samples import CueSamples, collect
+from placecue.learning.training import train
 from placecue.storage.feature_cache import FeatureCache
-from placecue.training import train
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM

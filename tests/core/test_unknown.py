@@ -16,9 +16,9 @@ from placecue import (
     Unknown,
     UsageError,
 )
-from placecue.composition import build_unknown
+from placecue.components.pipelines import build_unknown
 from placecue.evaluation.tally import Tally
-from placecue.held_out import HeldOut
+from placecue.learning.held_out import HeldOut
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF

@@ -8,7 +8,7 @@ from sklearn.mixture import GaussianMixture
 
 from pictures import observe, stripes
 from placecue import Cue, DataError, Observation, UsageError
-from placecue.discovery.manager import load_plugins
+from placecue.components.manager import load_plugins
 from placecue.storage.state import Decoder, Encoder
 from placecue_classifiers.svm import SVM
 from placecue_cues.bag_of_words import BagOfWords

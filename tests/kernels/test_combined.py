@@ -10,9 +10,9 @@ from sklearn.metrics.pairwise import chi2_kernel, linear_kernel, rbf_kernel
 from sklearn.svm import SVC
 
 from placecue import DescriptorSets, UsageError
-from placecue.composition import components_of
-from placecue.config import build, describe
-from placecue.discovery.manager import load_plugins
+from placecue.components.build import build, describe
+from placecue.components.manager import load_plugins
+from placecue.components.pipelines import components_of
 from placecue.storage.state import Decoder, Encoder
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2

@@ -13,8 +13,8 @@ from mcap.writer import CompressionType, Writer
 from mcap_logs import SECOND, START
 from placecue.errors import UsageError
 from placecue.logs import open_log
-from placecue.logs.annotate import annotate, label_events
-from placecue.logs.container import LogFile
+from placecue.logs.mcap.container import LogFile
+from placecue.logs.writing.annotate import annotate, label_events
 from placecue.observation import Observation
 from ros1_logs import Ros1Log
 

@@ -12,7 +12,7 @@ from mcap_logs import START, json_messages, walk
 from placecue.accumulator import AreaUpdate
 from placecue.belief import Belief
 from placecue.logs import open_log
-from placecue.logs.annotated import AnnotatedLog, write_layout
+from placecue.logs.writing.annotated import AnnotatedLog, write_layout
 from placecue.observation import EncodedImage, Observation
 from placecue.scores import OneAgainstAll, Scores
 from placecue.semantic_map import Area, Node, SemanticMap

@@ -11,8 +11,8 @@ from mcap_ros2.decoder import DecoderFactory
 from mcap_logs import START, jpeg
 from placecue import EncodedImage, Observation, PinholeCamera
 from placecue.logs import open_log
-from placecue.logs.writer import McapWriter
-from placecue_sources.office import Office
+from placecue.logs.writing.writer import McapWriter
+from placecue_office.simulator import Office
 
 CAMERA = PinholeCamera(320, 240, 200.0, 210.0, 159.5, 119.5)
 #: Of ROS's own documentation: rows of [fx 0 cx; 0 fy cy; 0 0 1], and the same with a zero column.

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from mcap_logs import SECOND, START
 from placecue.logs import open_log
-from placecue.logs.items import Item
-from placecue.logs.synchronise import Synchroniser
+from placecue.logs.joining.items import Item
+from placecue.logs.joining.synchronise import Synchroniser
 
 WINDOW = 400
 

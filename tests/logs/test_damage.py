@@ -15,7 +15,7 @@ from mcap.writer import CompressionType, IndexType
 from mcap_logs import START
 from placecue.errors import DataError, PlacecueError
 from placecue.logs import open_log
-from placecue.logs.container import LogFile
+from placecue.logs.mcap.container import LogFile
 
 
 def cut(path: str, size: int) -> Path:

@@ -15,9 +15,9 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from mcap_logs import DEFINITIONS
-from placecue.logs.cdr import WRITERS, serialise
-from placecue.logs.direct import READERS, direct_decoder
-from placecue.logs.ros_definitions import definition, is_standard
+from placecue.logs.messages.cdr import WRITERS, serialise
+from placecue.logs.messages.direct import READERS, direct_decoder
+from placecue.logs.messages.ros_definitions import definition, is_standard
 
 ROS1, ROS2 = get_typestore(Stores.ROS1_NOETIC), get_typestore(Stores.ROS2_HUMBLE)
 ROS1.register(

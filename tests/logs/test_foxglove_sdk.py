@@ -207,7 +207,7 @@ def test_a_damaged_message_is_counted(tmp_path: Path, caplog: pytest.LogCaptureF
 
 @pytest.mark.parametrize("encoding", ["16UC1", "32FC1"])
 def test_depth_asked_for_as_the_camera_is_an_error(tmp_path: Path, encoding: str) -> None:
-    from placecue.logs.images import RawImage
+    from placecue.logs.messages.images import RawImage
 
     with pytest.raises(UnusableObservation, match="is a depth image and no picture"):
         RawImage(bytes(32), 2, 2, 0, encoding)()

@@ -22,7 +22,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 from mcap_logs import jpeg
 from placecue.errors import PlacecueError
 from placecue.logs import open_log
-from placecue.logs.container import LogFile
+from placecue.logs.mcap.container import LogFile
 
 CASES = 400  # of each kind of file: 2,000 in all
 KINDS: dict[str, dict[str, Any]] = {

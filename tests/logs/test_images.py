@@ -10,7 +10,7 @@ import pytest
 
 from placecue.errors import UnusableObservation
 from placecue.logs import open_log
-from placecue.logs.images import RawImage
+from placecue.logs.messages.images import RawImage
 
 RED, GREEN, BLUE = 200, 100, 50
 

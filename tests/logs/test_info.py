@@ -11,11 +11,11 @@ from mcap.writer import IndexType
 
 from mcap_logs import SECOND, START
 from placecue.evaluation.thumbnail import thumbnail
-from placecue.logs.container import LogFile
 from placecue.logs.info import summarise
+from placecue.logs.joining.timing import Gap, largest_gaps
+from placecue.logs.mcap.container import LogFile
 from placecue.logs.reader import McapLog
-from placecue.logs.timing import Gap, largest_gaps
-from placecue.logs.trail import Trail
+from placecue.logs.writing.trail import Trail
 from placecue.observation import Observation, Pose2D
 
 

@@ -9,7 +9,7 @@ import pytest
 from mcap_logs import START
 from placecue.errors import DataError
 from placecue.logs import open_log
-from placecue.logs.labels import Intervals
+from placecue.logs.joining.labels import Intervals
 
 
 def write(folder: Path, text: str) -> str:

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from placecue.logs import open_log
-from placecue.logs.items import Item
-from placecue.logs.synchronise import Match, Synchroniser, interpolate
-from placecue.logs.writer import McapWriter
+from placecue.logs.joining.items import Item
+from placecue.logs.joining.synchronise import Match, Synchroniser, interpolate
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import LaserScan, Observation, Pose2D
 
 TOLERANCE, WINDOW, GAP = 50, 400, 10_000

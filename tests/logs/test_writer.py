@@ -16,8 +16,8 @@ from mcap_ros2._dynamic import generate_dynamic
 from mcap_logs import DEFINITIONS, START, jpeg, json_messages, scan_of, walk
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.logs import open_log
-from placecue.logs.convert import copy
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
 from placecue.source import Source
 

@@ -8,8 +8,8 @@ import pytest
 
 from placecue.errors import DataError, UsageError
 from placecue.logs import McapLog
-from placecue.logs.convert import copy
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import EncodedImage
 from placecue_sources.image_folder import ImageFolder
 from recordings import packed, picture, same, write

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from placecue.errors import UsageError
 from placecue.observation import Observation
-from placecue_sources.office import Office
-from placecue_sources.office.drive import follow, odometry
-from placecue_sources.office.raster import Raster
+from placecue_office.drive import follow, odometry
+from placecue_office.raster import Raster
+from placecue_office.simulator import Office
 from placecue_sources.raycast import OccupancyGrid, cast_rays
 
 DATA = os.environ.get("PLACECUE_DATA")
@@ -253,7 +253,7 @@ def test_one_measures_through_an_open_door_and_not_through_the_wall(office: Offi
 def cast_from(
     faces: NDArray[np.float64], start: NDArray[np.float64], target: NDArray[np.float64]
 ) -> float:
-    from placecue_sources.office.trace import cast
+    from placecue_office.trace import cast
 
     x, y = target - start
     return float(cast(faces, start[0], start[1], np.array([np.arctan2(y, x)]))[0])

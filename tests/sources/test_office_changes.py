@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from placecue_sources.office import Office
-from placecue_sources.office.arrange import rescattered
-from placecue_sources.office.atlas import AtlasBuilder
-from placecue_sources.office.camera import blurred
-from placecue_sources.office.clutter import Clutter
-from placecue_sources.office.floor import Floor, dense
-from placecue_sources.office.plan import Furniture, Plan
-from placecue_sources.office.plan_file import PLANS, read_plan
+from placecue_office.arrange import rescattered
+from placecue_office.atlas import AtlasBuilder
+from placecue_office.camera import blurred
+from placecue_office.clutter import Clutter
+from placecue_office.floor import Floor, dense
+from placecue_office.plan import Furniture, Plan
+from placecue_office.plan_file import PLANS, read_plan
+from placecue_office.simulator import Office
 
 
 @cache

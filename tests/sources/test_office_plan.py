@@ -9,11 +9,11 @@ import pytest
 from matplotlib.path import Path as Outline
 
 from placecue.errors import DataError
-from placecue_sources.office import Office
-from placecue_sources.office.blocks import furniture_blocks
-from placecue_sources.office.plan import Furniture, Plan
-from placecue_sources.office.plan_file import PLANS, read_plan
-from placecue_sources.office.scene import build_skin
+from placecue_office.blocks import furniture_blocks
+from placecue_office.plan import Furniture, Plan
+from placecue_office.plan_file import PLANS, read_plan
+from placecue_office.scene import build_skin
+from placecue_office.simulator import Office
 
 FLOOR = PLANS / "idol2_floor.geojson"
 

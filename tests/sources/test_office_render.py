@@ -7,15 +7,15 @@ import pytest
 from numpy.typing import NDArray
 
 from placecue.observation import Pose2D
-from placecue_sources.office.arrays import CEILING, FLOOR, Geometry
-from placecue_sources.office.blocks import Block, blocks_of
-from placecue_sources.office.camera import Camera
-from placecue_sources.office.laser import Laser
-from placecue_sources.office.light import ILLUMINATIONS, light_up
-from placecue_sources.office.plan import Plan, Room, Wall
-from placecue_sources.office.scene import build_geometry, build_skin
-from placecue_sources.office.shade import develop
-from placecue_sources.office.trace import trace
+from placecue_office.arrays import CEILING, FLOOR, Geometry
+from placecue_office.blocks import Block, blocks_of
+from placecue_office.camera import Camera
+from placecue_office.laser import Laser
+from placecue_office.light import ILLUMINATIONS, light_up
+from placecue_office.plan import Plan, Room, Wall
+from placecue_office.scene import build_geometry, build_skin
+from placecue_office.shade import develop
+from placecue_office.trace import trace
 
 CAMERA = Camera(width=320, height=240, field_of_view=90.0, above_floor=1.0, noise=0.0)
 FOCAL = 160.0  # half the width, for 90 degrees

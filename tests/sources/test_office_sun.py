@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from placecue_sources.office.arrays import Ground
-from placecue_sources.office.blocks import Block, blocks_of
-from placecue_sources.office.light import ILLUMINATIONS, light_up
-from placecue_sources.office.plan import Panel, Plan, Room, Wall
-from placecue_sources.office.scene import build_geometry
-from placecue_sources.office.sun import shading, shining, sunlit
+from placecue_office.arrays import Ground
+from placecue_office.blocks import Block, blocks_of
+from placecue_office.light import ILLUMINATIONS, light_up
+from placecue_office.plan import Panel, Plan, Room, Wall
+from placecue_office.scene import build_geometry
+from placecue_office.sun import shading, shining, sunlit
 
 #: In the wall at y = 0, from 1 to 2 m high.
 WINDOW = Panel(np.array([[2.0, 0.01], [4.0, 0.01]]), 1.0, 2.0, "window", window=True)

@@ -13,11 +13,11 @@ import pytest
 from hydra import compose, initialize_config_module
 from omegaconf import OmegaConf
 
-from placecue.discovery.options import register_with_hydra
+from placecue.components.options import register_with_hydra
 from placecue.errors import DataError, UsageError
-from placecue_sources.office import Office
-from placecue_sources.office.explore import Explorer
-from placecue_sources.office.route import Planner
+from placecue_office.explore import Explorer
+from placecue_office.route import Planner
+from placecue_office.simulator import Office
 
 DATA = os.environ.get("PLACECUE_DATA")
 needs_poses = pytest.mark.skipif(DATA is None, reason="PLACECUE_DATA is not set")

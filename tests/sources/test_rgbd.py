@@ -18,8 +18,8 @@ import yaml
 
 from placecue.errors import DataError, UsageError
 from placecue.logs import open_log
-from placecue.logs.convert import copy
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import EncodedImage
 from placecue_sources.rgbd import RGBD
 

@@ -18,9 +18,9 @@ from bags import Recording, drive
 from mcap_logs import SECOND, START
 from placecue.errors import DataError, UsageError
 from placecue.logs import McapLog, open_log
-from placecue.logs.convert import copy
 from placecue.logs.rosbag import RosbagLog
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import EncodedImage, Observation
 
 DATA = os.environ.get("PLACECUE_DATA")

@@ -19,8 +19,8 @@ from rosbags.interfaces import (
 
 from bags import drive
 from placecue.errors import DataError, PlacecueError
-from placecue.logs.bag import BagFile
-from placecue.logs.bag_definitions import Definitions
+from placecue.logs.bags.bag import BagFile
+from placecue.logs.bags.bag_definitions import Definitions
 from placecue.logs.rosbag import RosbagLog
 
 

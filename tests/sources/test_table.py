@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from placecue.errors import DataError, UsageError
 from placecue.logs import McapLog
-from placecue.logs.convert import copy
-from placecue.logs.writer import McapWriter
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
 from placecue.observation import EncodedImage, Observation
 from placecue_sources.stamps import nanoseconds
 from placecue_sources.table import Table

@@ -11,7 +11,7 @@ import yaml
 from scipy import sparse
 
 from placecue import DataError, DescriptorSets, Pipeline, PluginError, Unknown, UsageError
-from placecue.discovery.registry import Registry
+from placecue.components.registry import Registry
 from placecue.storage.model import load_model, read_manifest, save_model
 from placecue.storage.state import Decoder, Encoder
 from placecue_classifiers.svm import SVM
@@ -109,7 +109,7 @@ def test_no_file_of_the_model_is_a_pickle(folder: Path) -> None:
 
 
 def test_a_missing_plugin_is_named(folder: Path, known: Registry) -> None:
-    from placecue.discovery.manager import load_plugins
+    from placecue.components.manager import load_plugins
 
     with pytest.raises(PluginError, match=r"needs cue 'beams' of the plugin toys 1\.0"):
         load_model(folder, load_plugins(built_ins_only=True).registry)
@@ -196,7 +196,7 @@ def test_what_a_folder_cannot_hold_is_named(known: Registry) -> None:
 def test_a_component_that_is_not_registered_is_named(
     fitted: Pipeline, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    from placecue.discovery.manager import load_plugins
+    from placecue.components.manager import load_plugins
 
     with (
         caplog.at_level(logging.WARNING),

@@ -6,11 +6,11 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands.logs import open_source, path_of, single_logs
-from placecue.discovery.manager import current_plugins
+from placecue.components.manager import current_plugins
 from placecue.errors import DataError, UsageError
-from placecue.logs.annotate import annotate, label_events
+from placecue.labels.relabelled import Relabelled
 from placecue.logs.reader import McapLog
-from placecue.relabelled import Relabelled
+from placecue.logs.writing.annotate import annotate, label_events
 from placecue.source import Source
 from placecue.storage.atomic import made
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from placecue import progress
 from placecue.commands.logs import open_source, path_of
-from placecue.discovery.manager import current_plugins
-from placecue.logs.convert import copy
-from placecue.logs.writer import McapWriter
+from placecue.components.manager import current_plugins
+from placecue.logs.writing.convert import copy
+from placecue.logs.writing.writer import McapWriter
 from placecue.storage.atomic import made
 
 OUT_IS_FOLDER = False

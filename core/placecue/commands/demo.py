@@ -8,7 +8,7 @@ from typing import Any
 
 from placecue.commands import convert, label, show, tables, train
 from placecue.commands.logs import path_of
-from placecue.discovery.manager import current_plugins
+from placecue.components.manager import current_plugins
 from placecue.errors import PlacecueError
 from placecue.evaluation.tally import Tally
 from placecue.semantic_map import UNKNOWN

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from placecue.discovery.manager import Plugins
+from placecue.components.manager import Plugins
 from placecue.errors import UsageError
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ from rich.text import Text
 from placecue import progress
 from placecue.commands import tables
 from placecue.commands.logs import open_source, path_of, single_logs
-from placecue.discovery.manager import current_plugins
+from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
 from placecue.evaluation.map_figure import category_styles, draw_semantic_map
 from placecue.evaluation.thumbnail import thumbnail
+from placecue.labels.relabelled import Relabelled
 from placecue.logs.info import LogSummary, TopicSummary, summarise
 from placecue.logs.reader import McapLog
-from placecue.relabelled import Relabelled
 from placecue.semantic_map import SemanticMap
 from placecue.source import Source
 

@@ -10,14 +10,14 @@ from placecue import progress
 from placecue.commands import show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
-from placecue.config import build
-from placecue.discovery.manager import current_plugins
+from placecue.components.build import build
+from placecue.components.manager import current_plugins
 from placecue.evaluation.map_figure import draw_semantic_map
 from placecue.evaluation.surroundings import Surroundings
 from placecue.evaluation.tally import Tally
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
-from placecue.logs.annotated import AnnotatedLog, write_layout
+from placecue.logs.writing.annotated import AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
 from placecue.storage.atomic import made, write_json
 from placecue.storage.belief_table import belief_table

@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from placecue.config import build
-from placecue.discovery.manager import Plugins
+from placecue.components.build import build
+from placecue.components.manager import Plugins
 from placecue.errors import UsageError
 from placecue.extraction import Extraction
-from placecue.label_map import LabelMap
-from placecue.logs.rooms import read_rooms
+from placecue.labels.geojson import read_rooms
+from placecue.labels.label_map import LabelMap
+from placecue.labels.relabelled import Relabelled
 from placecue.observation import PARTS, Part
-from placecue.relabelled import Relabelled
 from placecue.source import Chain, Source
 
 

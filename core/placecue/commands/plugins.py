@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from placecue.discovery.manager import current_plugins
-from placecue.discovery.registry import Registry
+from placecue.components.manager import current_plugins
+from placecue.components.registry import Registry
 from placecue.errors import PluginError, UsageError, choices
 
 OUT_IS_FOLDER = False

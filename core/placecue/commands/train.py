@@ -9,8 +9,8 @@ from placecue import progress
 from placecue.commands import show
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of, single_logs
-from placecue.composition import build_pipeline
-from placecue.discovery.manager import current_plugins
+from placecue.components.manager import current_plugins
+from placecue.components.pipelines import build_pipeline
 from placecue.evaluation.training_report import write_training_report
 from placecue.pipeline import Pipeline
 from placecue.storage.atomic import made

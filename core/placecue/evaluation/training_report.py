@@ -11,8 +11,8 @@ import numpy as np
 from placecue.evaluation.reliability import Reliability, draw_reliability, reliability
 from placecue.evaluation.search_figure import SCORE, Results, draw_search, search_table
 from placecue.evaluation.tally import INTEGRATED
-from placecue.held_out import HeldOut
 from placecue.integrator import OnlyCue
+from placecue.learning.held_out import HeldOut
 from placecue.pipeline import Pipeline
 from placecue.scores import Probabilities, Scores
 from placecue.storage.atomic import write_text

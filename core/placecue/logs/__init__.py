@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from placecue.discovery.hooks import Component, hookimpl
+from placecue.components.hooks import Component, hookimpl
 
 if TYPE_CHECKING:
     from placecue.logs.reader import McapLog, open_log

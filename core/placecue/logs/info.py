@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from placecue.errors import PlacecueError
-from placecue.logs import topics
-from placecue.logs.container import Topic
+from placecue.logs.joining import topics
+from placecue.logs.joining.timing import Gap, largest_gaps
+from placecue.logs.mcap.container import Topic
 from placecue.logs.reader import McapLog
-from placecue.logs.timing import Gap, largest_gaps
-from placecue.logs.trail import Point, Trail
+from placecue.logs.writing.trail import Point, Trail
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 

@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.logs import depth, mounting, topics
-from placecue.logs.container import LogFile, Topic
-from placecue.logs.geometry import TransformTree
-from placecue.logs.items import TopicReader
-from placecue.logs.labels import Intervals
-from placecue.logs.mounting import Mounting
-from placecue.logs.reading import Reading
-from placecue.logs.topics import Choice
+from placecue.logs.joining import depth, mounting, topics
+from placecue.logs.joining.items import TopicReader
+from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.mounting import Mounting
+from placecue.logs.joining.reading import Reading
+from placecue.logs.joining.topics import Choice
+from placecue.logs.mcap.container import LogFile, Topic
+from placecue.logs.messages.geometry import TransformTree
 from placecue.observation import PARTS, Observation, Part
 from placecue.source import Source
 

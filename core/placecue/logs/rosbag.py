@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 
-from placecue.logs.bag import BagFile
-from placecue.logs.container import LogFile
+from placecue.logs.bags.bag import BagFile
+from placecue.logs.mcap.container import LogFile
 from placecue.logs.reader import McapLog
 
 

@@ -22,8 +22,8 @@ from typing import Any, Self
 import joblib
 import numpy as np
 
+from placecue.components.registry import Registry
 from placecue.cue import Cue
-from placecue.discovery.registry import Registry
 from placecue.errors import PlacecueError, UnusableObservation, UsageError
 from placecue.extraction import AnyCue, Extraction
 from placecue.features import FeatureBatch, Features, single, stack

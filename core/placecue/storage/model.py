@@ -22,12 +22,12 @@ from zipfile import BadZipFile
 import numpy as np
 
 import placecue
-from placecue.composition import build_pipeline, components_of, describe_pipeline
-from placecue.discovery.hooks import Kind
-from placecue.discovery.registry import Registry
+from placecue.components.hooks import Kind
+from placecue.components.pipelines import build_pipeline, components_of, describe_pipeline
+from placecue.components.registry import Registry
 from placecue.errors import DataError, PlacecueError, PluginError
+from placecue.learning.rejection import Rejection
 from placecue.pipeline import Pipeline
-from placecue.rejection import Rejection
 from placecue.source import Source
 from placecue.storage.arrays import write_arrays
 from placecue.storage.atomic import made, write_json, write_text

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator
 
-from placecue.config import build, describe
-from placecue.discovery.hooks import Kind
-from placecue.discovery.registry import Registry
+from placecue.components.build import build, describe
+from placecue.components.hooks import Kind
+from placecue.components.registry import Registry
 from placecue.errors import DataError, UsageError
 from placecue.scaling import SCALINGS, Scaling
 from placecue.scores import Layout, layout_from_json

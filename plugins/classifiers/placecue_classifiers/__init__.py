@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from placecue.discovery.hooks import Component, hookimpl
+from placecue.components.hooks import Component, hookimpl
 
 
 @hookimpl

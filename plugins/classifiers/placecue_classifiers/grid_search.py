@@ -13,10 +13,10 @@ from placecue.classifier import Classifier, FoldFeatures
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, take
 from placecue.folds import Rows, fold_scheme
+from placecue.learning.samples import CueSamples, LearnedFrom
+from placecue.learning.training import train
 from placecue.progress import track
-from placecue.samples import CueSamples, LearnedFrom
 from placecue.scores import Scores
-from placecue.training import train
 
 from .grid import Setting, check_listed, settings
 from .search import SCORE, balanced_accuracy, best_of

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from placecue.discovery.hooks import Component, hookimpl
+from placecue.components.hooks import Component, hookimpl
 
 
 @hookimpl
@@ -50,13 +50,6 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.image_folder:ImageFolder",
             summary="Images in one folder a class",
             requires=("path",),
-        ),
-        Component(
-            kind="source",
-            name="office",
-            factory="placecue_sources.office:Office",
-            summary="Simulated office floor with camera and laser",
-            requires=(),
         ),
         Component(
             kind="source",

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from placecue.checks import check_choice, check_number, check_whole
 from placecue.errors import DataError
 from placecue.observation import Observation
 from placecue.source import Source
@@ -17,7 +18,6 @@ from placecue_sources.carmen_records import (
     Record,
     RobotLaser,
 )
-from placecue_sources.checks import check_choice, check_number, check_whole
 from placecue_sources.contents import digest_of, existing, lines
 from placecue_sources.order import InOrder
 

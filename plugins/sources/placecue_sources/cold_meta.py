@@ -8,6 +8,7 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.checks import check_choice, check_number, check_whole
 from placecue.errors import DataError
 from placecue.faults import Faults
 from placecue.observation import LaserScan, Observation, Pose2D
@@ -15,7 +16,6 @@ from placecue.source import Source
 from placecue_sources import stamps
 from placecue_sources.archive import Archive, open_archive
 from placecue_sources.categories import category
-from placecue_sources.checks import check_choice, check_number, check_whole
 from placecue_sources.cold import cold_conditions
 from placecue_sources.contents import digest_of
 from placecue_sources.image_sequence import POSES, beside

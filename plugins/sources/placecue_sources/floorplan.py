@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from placecue.checks import check_choice, check_number, check_whole
 from placecue.errors import UsageError
 from placecue.observation import Observation, Pose2D
 from placecue.source import Source
-from placecue_sources.checks import check_choice, check_number, check_whole
 from placecue_sources.clutter import cluttered
 from placecue_sources.contents import digest_of, existing
 from placecue_sources.drive import Drive

@@ -6,12 +6,12 @@ import posixpath
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from placecue.checks import check_number
 from placecue.errors import DataError, UnusableObservation
 from placecue.faults import Faults
 from placecue.observation import Observation
 from placecue.source import Source
 from placecue_sources.archive import Archive, open_archive
-from placecue_sources.checks import check_number
 from placecue_sources.contents import digest_of
 from placecue_sources.image_files import encoded, is_image, natural
 from placecue_sources.tags import stem

@@ -10,13 +10,13 @@ from contextlib import ExitStack
 from functools import lru_cache
 from typing import ClassVar
 
+from placecue.checks import check_choice, check_number
 from placecue.errors import DataError, UnusableObservation
 from placecue.faults import Faults
 from placecue.observation import PARTS, Image, LaserScan, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources import cure
 from placecue_sources.archive import Archive, open_archive
-from placecue_sources.checks import check_choice, check_number
 from placecue_sources.contents import digest_of, existing, open_bytes
 from placecue_sources.image_files import encoded
 from placecue_sources.image_names import Moment

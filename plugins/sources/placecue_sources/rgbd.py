@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from placecue.checks import check_choice, check_number, check_whole
 from placecue.errors import UnusableObservation, UsageError
 from placecue.observation import LaserScan, Observation, Pose2D
 from placecue.source import Source
 from placecue.virtual_scan import Intrinsics, virtual_scan
-from placecue_sources.checks import check_choice, check_number, check_whole
 from placecue_sources.contents import digest_of
 from placecue_sources.rgbd_files import Faults, depth_image, picture
 from placecue_sources.rgbd_frames import (

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from placecue.checks import check_choice, check_number, check_whole
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.faults import Faults
 from placecue.observation import PARTS, Image, LaserScan, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources import ranges
 from placecue_sources.archive import open_archive
-from placecue_sources.checks import check_choice, check_number, check_whole
 from placecue_sources.contents import digest_of, existing
 from placecue_sources.image_files import encoded
 from placecue_sources.order import InOrder

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from placecue.logs.adapters.base import Adapter, Role, increasing
-from placecue.logs.geometry import Transform, yaw
-from placecue.logs.images import RawImage
+from placecue.logs.messages.geometry import Transform, yaw
+from placecue.logs.messages.images import RawImage
 from placecue.observation import EncodedImage, LaserScan, Pose2D
 
 

@@ -1,0 +1,15 @@
+"""The commands of the command line, with a line on each."""
+
+from __future__ import annotations
+
+COMMANDS = {
+    "demo": "make sample logs, train, classify, label; writes a report and a map",
+    "train": "log(s) -> model folder",
+    "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
+    "label": "model + log -> semantic map, online in one pass",
+    "convert": "any source -> MCAP",
+    "annotate": "MCAP log + rooms -> a copy with labels",
+    "info": "what is in a log, and which topics would be used",
+    "cache": "the features that are kept between runs; shows and trims them",
+    "plugins": "the components that are installed, and plugins that do not load",
+}

@@ -1,0 +1,1 @@
+"""Labels: rooms that give them, and maps from one name to another."""

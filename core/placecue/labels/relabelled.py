@@ -1,0 +1,81 @@
+"""A source under other labels: those of the rooms it was recorded in, or mapped ones."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+from collections.abc import Iterator
+
+from placecue.labels.label_map import LabelMap
+from placecue.labels.rooms import Rooms
+from placecue.observation import Observation
+from placecue.source import Source, Wrapped
+
+log = logging.getLogger(__name__)
+
+
+class Relabelled(Wrapped):
+    """A source whose observations get other labels. All else stays as it is, undecoded.
+
+    Parameters
+    ----------
+    source : Source
+        Where observations come from.
+    rooms : Rooms, optional
+        They take the place of the source's own labels: an observation gets the class of the room
+        that its pose lies in, none where it lies in no room or has no pose.
+    label_map : LabelMap, optional
+        Applied to the label, be it the source's own or that of a room.
+    """
+
+    def __init__(
+        self, source: Source, rooms: Rooms | None = None, label_map: LabelMap | None = None
+    ) -> None:
+        super().__init__(source)
+        self.rooms = rooms
+        self.label_map = label_map
+        self._told = False
+
+    def __iter__(self) -> Iterator[Observation]:
+        """Yield the observations, relabelled.
+
+        Raises
+        ------
+        UsageError
+            If a label is not in the map and that is an error.
+        """
+        total = inside = 0
+        frames: set[str] = set()
+        for observation in self.source:
+            label = self.label(observation)
+            total += 1
+            inside += label is not None
+            if observation.pose is not None:
+                frames.add(observation.pose.frame)
+            yield observation.relabelled(label)
+        if self.rooms is not None and total and not inside:
+            self._tell(total, frames)
+
+    def label(self, observation: Observation) -> str | None:
+        """Return the new label of an observation, or None."""
+        label, pose = observation.label, observation.pose
+        if self.rooms is not None:
+            label = None if pose is None else self.rooms.at(pose.x, pose.y)
+        return label if self.label_map is None else self.label_map(label)
+
+    def digest(self) -> str:
+        """Return a digest of the source and of what relabels it."""
+        rooms = self.rooms and [
+            (room.label, [ring.tolist() for ring in room.rings]) for room in self.rooms.rooms
+        ]
+        names = self.label_map and (sorted(self.label_map.names.items()), self.label_map.unmapped)
+        return hashlib.sha256(f"{self.source.digest()} {rooms} {names}".encode()).hexdigest()
+
+    def _tell(self, total: int, frames: set[str]) -> None:
+        if not self._told:
+            self._told = True
+            where = f"given in {' and '.join(sorted(frames))}" if frames else "missing"
+            log.warning(
+                f"{self.name}: not one of {total} observations lies in a room; the poses are "
+                f"{where}: are the rooms drawn in the same frame, in metres?"
+            )

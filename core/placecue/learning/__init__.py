@@ -1,0 +1,1 @@
+"""Training: samples, held-out scores, and the threshold for "unknown"."""

@@ -1,0 +1,1 @@
+"""Rosbags as they are recorded: their containers, cuts and definitions."""

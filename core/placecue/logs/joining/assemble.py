@@ -1,0 +1,90 @@
+"""From matched messages to an observation."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from placecue.errors import UnusableObservation
+from placecue.faults import Faults
+from placecue.logs.joining.items import Item
+from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.synchronise import Match, interpolate
+from placecue.observation import Observation, Part, Pose2D
+
+
+class Assembler:
+    """Decodes what matches hold; what does not decode is counted and left out.
+
+    Parameters
+    ----------
+    driver : {"image", "scan"}
+        The part that makes an observation.
+    parts : collection of {"image", "scan", "pose"}
+        The parts that have a topic.
+    intervals : Intervals or None
+        Labels beside the log; they take the place of those in it.
+    faults : Faults
+        Takes what goes wrong.
+    """
+
+    def __init__(
+        self, driver: Part, parts: Collection[Part], intervals: Intervals | None, faults: Faults
+    ) -> None:
+        self.driver = driver
+        self.parts = parts
+        self.intervals = intervals
+        self.faults = faults
+
+    def observation(self, match: Match) -> Observation | None:
+        """Return the observation of a match; None where its driver does not decode."""
+        driver = self._value(match.driver)
+        if driver is None:
+            return None
+        images = self.driver == "image"
+        return Observation(
+            match.driver.stamp,
+            image=driver if images else None,
+            scan=self._scan(match) if images else driver,
+            pose=self._pose(match),
+            label=self.label(match),
+        )
+
+    def place(self, match: Match) -> Observation:
+        """Return where a match is and under what label, without its driver and its scan."""
+        return Observation(match.driver.stamp, pose=self._pose(match), label=self.label(match))
+
+    def label(self, match: Match) -> str | None:
+        """Return the label in force, or None."""
+        if self.intervals is not None:
+            return self.intervals.at(match.driver.stamp)
+        return None if match.label is None else self._value(match.label) or None
+
+    def _scan(self, match: Match) -> Any:
+        if match.scan is not None:
+            return self._value(match.scan)
+        self._missing("scan", match)
+        return None
+
+    def _pose(self, match: Match) -> Pose2D | None:
+        if not match.poses:
+            self._missing("pose", match)
+        values = [self._value(item) for item in match.poses]
+        whole: list[Pose2D] = [value for value in values if value is not None]
+        if len(whole) < 2:
+            return whole[0] if whole else None
+        first, second = (item.stamp for item in match.poses)
+        share = (match.driver.stamp - first) / (second - first)
+        return interpolate(whole[0], whole[1], share)
+
+    def _missing(self, part: Part, match: Match) -> None:
+        if part in self.parts:
+            kind = f"{self.driver}s have no {part} near enough in time"
+            self.faults.add(kind, f"at stamp {match.driver.stamp}")
+
+    def _value(self, item: Item) -> Any:
+        try:
+            return item.value()
+        except UnusableObservation as error:
+            self.faults.add("messages could not be used", str(error))
+            return None

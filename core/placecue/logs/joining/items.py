@@ -1,0 +1,137 @@
+"""Messages with their time and their part, decoded only when they are used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mcap.records import Message
+
+from placecue.errors import DataError, UnusableObservation
+from placecue.logs.adapters import adapter_for
+from placecue.logs.adapters.base import Role
+from placecue.logs.mcap.container import LogFile, Topic
+from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
+
+
+class Item:
+    """One message: its time, what it gives, and how to get at it.
+
+    Parameters
+    ----------
+    stamp : int
+        Time of measurement, ns.
+    role : {"image", "scan", "pose", "label", "transform"}
+        What :meth:`value` gives.
+    read : callable
+        Gives the value; called once at most.
+    """
+
+    __slots__ = ("_read", "_value", "role", "stamp")
+
+    def __init__(self, stamp: int, role: Role, read: Callable[[], Any]) -> None:
+        self.stamp = stamp
+        self.role = role
+        self._read: Callable[[], Any] | None = read
+        self._value: Any = None
+
+    def value(self) -> Any:
+        """Return the part of an observation that the message gives.
+
+        Raises
+        ------
+        UnusableObservation
+            If the message cannot be decoded or makes no sense.
+        """
+        if self._read is not None:
+            self._value = self._read()
+            self._read = None
+        return self._value
+
+
+class TopicReader:
+    """Turns the messages of one topic into items.
+
+    Parameters
+    ----------
+    file : LogFile
+        The log.
+    topic : Topic
+        One that has an adapter.
+    finish : callable, optional
+        Applied to each value, such as the mounting of a laser.
+
+    Raises
+    ------
+    DataError
+        If its messages cannot be decoded.
+    """
+
+    def __init__(
+        self, file: LogFile, topic: Topic, finish: Callable[[Any], Any] | None = None
+    ) -> None:
+        adapter = adapter_for(topic.encoding, topic.schema)
+        if adapter is None:
+            raise DataError(f"{topic.name}: {topic.encoding} {topic.schema} cannot be read")
+        self.topic = topic
+        self.adapter = adapter
+        self.role: Role = adapter.role
+        self.finish = finish
+        contents = file.contents
+        channels = {number: contents.channels[number] for number in topic.channels}
+        self._decode = {
+            number: decoder_for(channel, contents.schemas.get(channel.schema_id))
+            for number, channel in channels.items()
+        }
+        self._peek = HEADER_STAMPS.get(topic.encoding) if adapter.header_first else None
+
+    def item(self, message: Message) -> Item | None:
+        """Return the item of a message; None where it holds nothing of interest.
+
+        Raises
+        ------
+        UnusableObservation
+            If not even its time can be read.
+        """
+        try:
+            if self._peek is not None:
+                stamp = self._peek(message.data)
+                decoded = None
+            else:
+                decoded = self._decode[message.channel_id](message.data)
+                stamp = self.adapter.stamp(decoded)
+        except Exception as error:  # decoders raise anything over damaged bytes
+            raise self._unusable(message.log_time, error) from error
+        stamp = stamp if stamp > 0 else message.log_time
+        return Item(stamp, self.role, lambda: self._value(message, stamp, decoded))
+
+    def decoded(self, message: Message) -> Any:
+        """Return a message with its fields.
+
+        Raises
+        ------
+        UnusableObservation
+            If it cannot be decoded.
+        """
+        try:
+            return self._decode[message.channel_id](message.data)
+        except Exception as error:  # decoders raise anything over damaged bytes
+            raise self._unusable(message.log_time, error) from error
+
+    def _value(self, message: Message, stamp: int, decoded: Any) -> Any:
+        try:
+            if decoded is None:
+                decoded = self._decode[message.channel_id](message.data)
+            value = self.adapter.value(decoded, f"{self.topic.name} at stamp {stamp}")
+        except UnusableObservation:
+            raise
+        except Exception as error:  # decoders raise anything over damaged bytes
+            raise self._unusable(stamp, error) from error
+        return value if self.finish is None else self.finish(value)
+
+    def _unusable(self, stamp: int, error: Exception) -> UnusableObservation:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        return UnusableObservation(
+            f"a message of {self.topic.name} at {stamp} does not decode as {self.topic.schema}: "
+            f"{reason}"
+        )

@@ -1,0 +1,245 @@
+"""Messages of several topics joined by time, with a short look ahead and constant memory."""
+
+from __future__ import annotations
+
+import heapq
+from bisect import bisect_right, insort
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from math import pi
+
+from placecue.logs.joining.clock import Clock
+from placecue.logs.joining.items import Item
+from placecue.observation import Part, Pose2D
+
+#: So few items of a topic are kept, however old they are.
+FEW = 16
+
+
+def _stamp(item: Item) -> int:
+    return item.stamp
+
+
+class Track:
+    """The recent items of one topic, in order of time."""
+
+    def __init__(self) -> None:
+        self.items: list[Item] = []
+        self.newest: int | None = None  # time of the item that came last
+
+    def add(self, item: Item) -> None:
+        """Take in an item."""
+        insort(self.items, item, key=_stamp)
+        self.newest = item.stamp
+
+    def reaches(self, stamp: int) -> bool:
+        """Tell whether the topic has got as far as a time."""
+        return self.newest is not None and self.newest >= stamp
+
+    def forget_before(self, stamp: int) -> None:
+        """Drop what lies before a time, but for the last item of it, once it is worth it."""
+        if len(self.items) < FEW:
+            return
+        keep = bisect_right(self.items, stamp, key=_stamp) - 1
+        if keep > 0:
+            del self.items[:keep]
+
+    def forget_after(self, stamp: int) -> Item | None:
+        """Drop what lies after a time; return the last item dropped, or None."""
+        kept = bisect_right(self.items, stamp, key=_stamp)
+        dropped = self.items[kept:]
+        del self.items[kept:]
+        return dropped[-1] if dropped else None
+
+    def around(self, stamp: int) -> tuple[Item | None, Item | None]:
+        """Return the last item at or before a time and the first one after it."""
+        after = bisect_right(self.items, stamp, key=_stamp)
+        return (
+            self.items[after - 1] if after else None,
+            self.items[after] if after < len(self.items) else None,
+        )
+
+    def nearest(self, stamp: int, tolerance: int) -> Item | None:
+        """Return the item nearest in time, no farther than the tolerance, ns."""
+        near = [
+            item
+            for item in self.around(stamp)
+            if item is not None and abs(item.stamp - stamp) <= tolerance
+        ]
+        return min(near, key=lambda item: abs(item.stamp - stamp), default=None)
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """Items that belong together.
+
+    Parameters
+    ----------
+    driver : Item
+        The image, or the scan where there are no images; its time is that of the observation.
+    scan : Item or None
+        The nearest scan within the tolerance.
+    poses : tuple of Item
+        The poses before and after, or the only one near enough, or none.
+    label : Item or None
+        The label event in force.
+    """
+
+    driver: Item
+    scan: Item | None
+    poses: tuple[Item, ...]
+    label: Item | None
+
+
+class Synchroniser:
+    """Joins items to matches, in order of time.
+
+    Items may come up to ``window`` later than others of the same time. A driver waits until
+    every follower has got as far as its own time, but no longer than the window. Where the clock
+    of the drivers jumps back by more than the window, matches go on from there: what waits is
+    given first, what followers hold of the time after it is forgotten, and the label stays.
+
+    Parameters
+    ----------
+    driver : {"image", "scan"}
+        The part that makes an observation.
+    followers : iterable of {"scan", "pose"}
+        The parts to wait for.
+    tolerance : int
+        How far apart a driver and its scan, or a lone pose, may be, ns.
+    window : int
+        How late items may come, ns.
+    pose_gap : int
+        How far apart two poses may be to interpolate between them, ns.
+
+    Attributes
+    ----------
+    late : int
+        How many drivers came too late to keep the order and were left out.
+    jumps : int
+        How often the clock of the drivers jumped.
+    repeated : int
+        How many drivers have the stamp of the one before.
+    first : dict of str to int
+        Where ``late``, ``jump`` and ``repeated`` were first seen, ns.
+    """
+
+    def __init__(
+        self, driver: Part, followers: Iterable[Part], tolerance: int, window: int, pose_gap: int
+    ) -> None:
+        self.driver = driver
+        self.followers = tuple(followers)
+        self.tolerance = tolerance
+        self.window = window
+        self.pose_gap = pose_gap
+        self.late = 0
+        self.jumps = 0
+        self.repeated = 0
+        self.first: dict[str, int] = {}
+        self._clock = Clock(window)
+        self._tracks: dict[str, Track] = {part: Track() for part in (*self.followers, "label")}
+        self._waiting: list[tuple[int, int, Item]] = []  # stamp, running number, driver
+        self._number = 0
+        self._last: int | None = None
+
+    def push(self, item: Item) -> Iterator[Match]:
+        """Take in an item and yield the matches that it completes."""
+        if item.role == self.driver:
+            tick = self._clock.tick(item)
+            self._leave_out(tick.late)
+            if tick.since is not None:
+                yield from self._jump(tick.since, tick.wild)
+            for each in tick.items:
+                heapq.heappush(self._waiting, (each.stamp, self._number, each))
+                self._number += 1
+        else:
+            self._tracks[item.role].add(item)
+        while self._waiting and self._ready(self._waiting[0][0], item.stamp):
+            yield from self._pop()
+        self._forget(item.stamp)
+
+    def finish(self) -> Iterator[Match]:
+        """Yield the matches of the drivers that still wait."""
+        self._leave_out(self._clock.finish())
+        while self._waiting:
+            yield from self._pop()
+
+    def _leave_out(self, item: Item | None) -> None:
+        if item is not None:
+            self.late += 1
+            self.first.setdefault("late", item.stamp)
+
+    def _jump(self, since: int, wild: bool) -> Iterator[Match]:
+        """Go on at an earlier time."""
+        self.jumps += 1
+        self.first.setdefault("jump", since)
+        if not wild:
+            while self._waiting:
+                yield from self._pop()
+            label = self._tracks["label"]
+            for track in self._tracks.values():
+                dropped = track.forget_after(since + self.window)
+                if track is label and dropped is not None and not label.around(since)[0]:
+                    label.add(Item(since, "label", dropped.value))
+        self._last = None
+
+    def _ready(self, stamp: int, now: int) -> bool:
+        if now - stamp >= self.window:
+            return True
+        return all(self._tracks[part].reaches(stamp) for part in self.followers)
+
+    def _pop(self) -> Iterator[Match]:
+        stamp, _, item = heapq.heappop(self._waiting)
+        if self._last is not None and stamp < self._last:
+            self._leave_out(item)
+            return
+        if stamp == self._last:
+            self.repeated += 1
+            self.first.setdefault("repeated", stamp)
+        self._last = stamp
+        scan = self._tracks.get("scan")
+        yield Match(
+            item,
+            None if scan is None else scan.nearest(stamp, self.tolerance),
+            self._poses(stamp),
+            self._tracks["label"].around(stamp)[0],
+        )
+
+    def _poses(self, stamp: int) -> tuple[Item, ...]:
+        track = self._tracks.get("pose")
+        if track is None:
+            return ()
+        before, after = track.around(stamp)
+        if before is not None and after is not None:
+            if before.stamp == stamp:
+                return (before,)
+            if after.stamp - before.stamp <= self.pose_gap:
+                return before, after
+        nearest = track.nearest(stamp, self.tolerance)
+        return () if nearest is None else (nearest,)
+
+    def _forget(self, now: int) -> None:
+        oldest = now - self.window
+        if self._waiting:
+            oldest = min(oldest, self._waiting[0][0])
+        for track in self._tracks.values():
+            track.forget_before(oldest - self.tolerance)
+
+
+def interpolate(before: Pose2D, after: Pose2D, share: float) -> Pose2D:
+    """Return the pose at a share of the way from one to another, turning the shorter way.
+
+    Parameters
+    ----------
+    before, after : Pose2D
+        Two poses in one frame.
+    share : float
+        0 gives ``before``, 1 gives ``after``.
+    """
+    turn = (after.theta - before.theta + pi) % (2 * pi) - pi
+    return Pose2D(
+        before.x + share * (after.x - before.x),
+        before.y + share * (after.y - before.y),
+        before.theta + share * turn,
+        before.frame,
+    )

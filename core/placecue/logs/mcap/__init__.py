@@ -1,0 +1,1 @@
+"""The MCAP container: chunks, records and their index."""

@@ -1,0 +1,1 @@
+"""What placecue writes: logs, annotated logs, scenes."""

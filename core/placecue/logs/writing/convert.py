@@ -1,0 +1,42 @@
+"""Any source into MCAP."""
+
+from __future__ import annotations
+
+from placecue.errors import DataError, UnusableObservation
+from placecue.logs.writing.writer import McapWriter
+from placecue.progress import track
+from placecue.skipped import Skipped
+from placecue.source import Source
+
+
+def copy(source: Source, writer: McapWriter) -> int:
+    """Write every observation of a source; what cannot be written is counted and said once.
+
+    Parameters
+    ----------
+    source : Source
+        Where observations come from.
+    writer : McapWriter
+        Where they go; open it with ``metadata=source.metadata``.
+
+    Returns
+    -------
+    int
+        How many were written.
+
+    Raises
+    ------
+    DataError
+        If there is not one to write.
+    """
+    skipped, total = Skipped(), 0
+    for observation in track(source, f"converting {source.name}", source.count()):
+        total += 1
+        try:
+            writer.write(observation)
+        except UnusableObservation as error:
+            skipped.add(error)
+    if total == 0:
+        raise DataError(f"{source.name} holds no observation: there is nothing to write")
+    skipped.report(total)
+    return total - skipped.count

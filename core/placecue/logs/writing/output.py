@@ -1,0 +1,170 @@
+"""An MCAP file that is being written: whole at the end, or not there at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+from uuid import uuid4
+
+from mcap.records import Attachment, Channel, Message, Schema
+from mcap.writer import CompressionType, Writer
+
+from placecue.errors import DataError, UsageError, choices
+from placecue.logs.messages.kinds import MessageType, Written
+
+COMPRESSIONS = {
+    "zstd": CompressionType.ZSTD,
+    "lz4": CompressionType.LZ4,
+    "none": CompressionType.NONE,
+}
+
+
+class Output:
+    """An MCAP file under a temporary name, which takes its own when it is complete.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to be; one that is there is replaced. Missing folders are made.
+    profile : str
+        Profile in the file's header.
+    compression : {"zstd", "lz4", "none"}
+        Of the chunks.
+    chunk_size : int
+        Bytes of messages in a chunk, before compression.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written there, or the compression is not known.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        profile: str = "",
+        compression: str = "zstd",
+        chunk_size: int = 2**20,
+    ) -> None:
+        if compression not in COMPRESSIONS:
+            raise UsageError(
+                f"unknown compression '{compression}': {choices(compression, COMPRESSIONS)}"
+            )
+        self.path = Path(path)
+        self._part = self.path.with_name(f".{self.path.name}.{uuid4().hex[:8]}.part")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            if self.path.is_dir():
+                raise IsADirectoryError(21, "it is a folder")
+            self._file = self._part.open("xb")
+        except OSError as error:
+            raise UsageError(
+                f"cannot write {self.path}: {error.strerror}; choose another place with out="
+            ) from error
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[tuple[str, str], int] = {}
+        self._copied: dict[int, int] = {}
+        self._copied_schemas: dict[int, int] = {}
+        self._writer = Writer(
+            self._file, chunk_size=chunk_size, compression=COMPRESSIONS[compression]
+        )
+        self._writer.start(profile=profile, library="placecue")
+
+    def metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Write a metadata record."""
+        self._writer.add_metadata(name, {str(key): str(value) for key, value in values.items()})
+
+    def write(self, stamp: int, written: Written) -> None:
+        """Write a message, with its stamp as log time, ns."""
+        data = written.type.serialise(written.message)
+        channel = self._channel(written.topic, written.type)
+        self._writer.add_message(channel, log_time=stamp, data=data, publish_time=stamp)
+
+    def copy(
+        self, message: Message, channels: Mapping[int, Channel], schemas: Mapping[int, Schema]
+    ) -> None:
+        """Write a message of another file as it is.
+
+        Parameters
+        ----------
+        message : Message
+            The message.
+        channels, schemas : mapping of int to record
+            Those of the other file, by id.
+        """
+        number = message.channel_id
+        if number not in self._copied:
+            channel = channels[number]
+            schema = self._copied_schema(schemas.get(channel.schema_id))
+            self._copied[number] = self._writer.register_channel(
+                channel.topic, channel.message_encoding, schema, channel.metadata
+            )
+        self._writer.add_message(
+            self._copied[number],
+            message.log_time,
+            message.data,
+            message.publish_time,
+            message.sequence,
+        )
+
+    def attach(self, attachment: Attachment) -> None:
+        """Write an attachment."""
+        self._writer.add_attachment(
+            attachment.create_time,
+            attachment.log_time,
+            attachment.name,
+            attachment.media_type,
+            attachment.data,
+        )
+
+    def _copied_schema(self, schema: Schema | None) -> int:
+        if schema is None:
+            return 0
+        if schema.id not in self._copied_schemas:
+            self._copied_schemas[schema.id] = self._writer.register_schema(
+                schema.name, schema.encoding, schema.data
+            )
+        return self._copied_schemas[schema.id]
+
+    def _channel(self, topic: str, type: MessageType) -> int:
+        key = (topic, type.name)
+        if key not in self._channels:
+            if type.name not in self._schemas:
+                self._schemas[type.name] = self._writer.register_schema(
+                    type.name, type.schema_encoding, type.schema
+                )
+            self._channels[key] = self._writer.register_channel(
+                topic, type.encoding, self._schemas[type.name]
+            )
+        return self._channels[key]
+
+    def commit(self) -> None:
+        """Finish the file and give it its name."""
+        try:
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._file.close()
+            self._part.replace(self.path)
+        except OSError as error:
+            self.abort()
+            raise DataError(f"cannot finish {self.path}: {error.strerror}") from error
+
+    def abort(self) -> None:
+        """Remove what was written."""
+        self._file.close()
+        self._part.unlink(missing_ok=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.commit()
+        else:
+            self.abort()

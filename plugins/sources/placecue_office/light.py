@@ -1,0 +1,223 @@
+"""Light in the plan: lamps on the ceiling and daylight through the windows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from placecue_office.arrays import Geometry, Ground, Sun
+from placecue_office.blocks import Block
+from placecue_office.plan import Panel, Plan, Points
+from placecue_office.raster import Raster
+from placecue_office.sun import shining
+from placecue_office.trace import cast
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Illumination:
+    """The light of a time of day.
+
+    Parameters
+    ----------
+    lamps : (float, float, float)
+        Strength of the lamps, red, green, blue.
+    sky : (float, float, float)
+        Strength of the light that a square metre of window lets in.
+    view : (float, float, float)
+        Brightness of what is seen through a window.
+    sun : (float, float, float)
+        Light of the sun on a surface that faces it.
+    lit : float
+        Part of the rooms with windows whose lamps are on; the others' always are.
+    varies : float
+        Standard deviation of the daylight from one recording to the next, as a part of it.
+    """
+
+    lamps: Colour
+    sky: Colour
+    view: Colour
+    sun: Colour = (0.0, 0.0, 0.0)
+    lit: float = 1.0
+    varies: float = 0.0
+
+
+ILLUMINATIONS: dict[str, Illumination] = {
+    "cloudy": Illumination(
+        (0.40, 0.35, 0.27), (0.50, 0.62, 0.80), (1.4, 1.55, 1.75), lit=0.5, varies=0.2
+    ),
+    "night": Illumination((0.45, 0.36, 0.23), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
+    "sunny": Illumination(
+        (0.40, 0.35, 0.27),
+        (1.5, 1.45, 1.35),
+        (2.3, 2.6, 3.1),
+        sun=(9.0, 8.0, 6.0),
+        lit=0.15,
+        varies=0.25,
+    ),
+}
+
+#: A room whose daylight is below this part of the brightest room's has its lamps on, always.
+DARK = 0.15
+
+#: How far from south the sun may stand, and how high, degrees. South is down in the plan.
+SUN_BEARING, SUN_ELEVATION = 80.0, (12.0, 42.0)
+
+#: How bright a lamp looks, in strengths of its light.
+LAMP_SHINE = 4.0
+
+
+def light_up(
+    plan: Plan,
+    blocks: list[Block],
+    geometry: Geometry,
+    light: Illumination,
+    rng: np.random.Generator | None = None,
+    cell: float = 0.1,
+) -> Ground:
+    """Compute the light in every cell of a plan.
+
+    Direct light reaches as far as no wall stands in between; a part of each room's mean light
+    comes back from its walls.
+
+    Parameters
+    ----------
+    plan : Plan
+    blocks : list of Block
+        What stands in it, for the shadows on the floor.
+    geometry : Geometry
+        Its faces.
+    light : Illumination
+        The time of day.
+    rng : Generator, optional
+        Decides where the sun stands, how bright the day is, and which lamps are on.
+    cell : float
+        Width of a cell, m.
+    """
+    rng = rng or np.random.default_rng(0)
+    day = max(1 + light.varies * float(rng.standard_normal()), 0.4)
+    bearing = np.radians(-90.0 + SUN_BEARING * rng.uniform(-1, 1))
+    elevation = np.radians(rng.uniform(*SUN_ELEVATION)) if max(light.sun) > 0 else 0.0
+    sun = shining(plan, float(bearing), float(elevation), light.sun)
+    raster = Raster.over(plan, cell)
+    centres = raster.centres()
+    rooms = _nearest_room(plan, raster)
+    walls = np.ascontiguousarray(geometry.faces[geometry.spans[:, 1] - geometry.spans[:, 0] > 2.0])
+    daylight = day * _daylight(plan, walls, centres).reshape(raster.shape)
+    on = _lamps_on(plan, daylight, rooms, light.lit, rng)
+    lamps = _lamplight(plan, walls, centres, on).reshape(raster.shape)
+    direct = daylight[..., None] * np.array(light.sky) + lamps[..., None] * np.array(light.lamps)
+    direct += _sun_bounce(sun, rooms)
+    return Ground(
+        rooms=rooms,
+        light=_bounced(direct, rooms).astype(np.float32),
+        contact=_contact(blocks, raster),
+        shine=np.array([day * np.array(light.view), LAMP_SHINE * np.array(light.lamps)]),
+        x=float(raster.origin[0]),
+        y=float(raster.origin[1]),
+        cell=cell,
+        sun=sun,
+    )
+
+
+def _nearest_room(plan: Plan, raster: Raster) -> NDArray[np.int64]:
+    """Return the room of each cell; cells in walls take the nearest."""
+    rooms = plan.room_at(raster.centres()).reshape(raster.shape)
+    nearest = ndimage.distance_transform_edt(rooms < 0, return_distances=False, return_indices=True)
+    return np.ascontiguousarray(rooms[tuple(nearest)])
+
+
+def _daylight(plan: Plan, walls: NDArray[np.float64], centres: Points) -> NDArray[np.float64]:
+    windows = (panel for panel in plan.panels if panel.window)
+    return sum(
+        (_through(window, plan, walls, centres) for window in windows), np.zeros(len(centres))
+    )
+
+
+def _lamplight(
+    plan: Plan, walls: NDArray[np.float64], centres: Points, on: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    total, drop = np.zeros(len(centres)), plan.height - 1.0
+    for x, y, length, width in plan.lamps[on]:
+        squared, seen = _seen(walls, np.array([x, y]), centres)
+        total += seen * (drop**2 / (drop**2 + squared)) ** 1.5 * (length * width / 0.36)
+    return total
+
+
+def _lamps_on(
+    plan: Plan,
+    daylight: NDArray[np.float64],
+    rooms: NDArray[np.int64],
+    lit: float,
+    rng: np.random.Generator,
+) -> NDArray[np.bool_]:
+    """Return which lamps are on: those of a room are switched together."""
+    means = np.array([daylight[rooms == room].mean() for room in range(len(plan.rooms))])
+    dark = means <= DARK * means.max()
+    switched = rng.random(len(plan.rooms)) < lit
+    if not len(plan.lamps):
+        return np.zeros(0, dtype=bool)
+    return np.asarray((dark | switched)[plan.room_at(plan.lamps[:, :2])])
+
+
+def _sun_bounce(sun: Sun, rooms: NDArray[np.int64], share: float = 0.06) -> NDArray[np.float64]:
+    """Return the sunlight that a room's patches throw back into it, shape (rows, columns, 3)."""
+    glass = np.zeros(int(rooms.max()) + 1)
+    for x0, y0, x1, y1, bottom, top, room in sun.windows:
+        across = abs((x1 - x0) * sun.toward[1] - (y1 - y0) * sun.toward[0])
+        glass[int(room)] += across * (top - bottom) * sun.toward[3]
+    return np.asarray(share * glass[rooms][..., None] * sun.colour)
+
+
+def _through(
+    window: Panel, plan: Plan, walls: NDArray[np.float64], centres: Points
+) -> NDArray[np.float64]:
+    """Return the daylight that reaches each cell through a window, from points along it."""
+    along = window.line[1] - window.line[0]
+    length = float(np.linalg.norm(along))
+    inward = np.array([-along[1], along[0]]) / length
+    middle = window.line.mean(axis=0)
+    if plan.room_at((middle + 0.3 * inward)[None])[0] < 0:
+        inward = -inward
+    points = window.line[0] + 0.05 * inward + np.linspace(0.1, 0.9, 5)[:, None] * along
+    area = length * (window.top - window.bottom) / len(points)
+    total = np.zeros(len(centres))
+    for point in points:
+        squared, seen = _seen(walls, point, centres)
+        ahead = np.clip((centres - point) @ inward, 0, None) / np.sqrt(squared + 1e-9)
+        total += area * seen * ahead / (0.8 + squared)
+    return total
+
+
+def _seen(
+    walls: NDArray[np.float64], source: Points, centres: Points, beams: int = 720
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the squared distance of each cell from a source, and whether no wall is between."""
+    away = centres - source
+    squared = np.einsum("ij,ij->i", away, away)
+    reach = cast(walls, source[0], source[1], np.linspace(0, 2 * np.pi, beams, endpoint=False))
+    beam = np.round(np.arctan2(away[:, 1], away[:, 0]) * (beams / (2 * np.pi))).astype(int) % beams
+    return squared, np.sqrt(squared) <= reach[beam] + 0.1
+
+
+def _bounced(
+    direct: NDArray[np.float64], rooms: NDArray[np.int64], share: float = 0.45, floor: float = 0.02
+) -> NDArray[np.float64]:
+    """Add the light that comes back from the walls; soften the edges of shadows."""
+    total = direct + floor
+    for room in range(int(rooms.max()) + 1):
+        here = rooms == room
+        if here.any():
+            total[here] += share * direct[here].mean(axis=0)
+    return np.asarray(ndimage.gaussian_filter(total, (2.0, 2.0, 0.0)))
+
+
+def _contact(blocks: list[Block], raster: Raster) -> NDArray[np.float32]:
+    """Return what part of the light reaches the floor, less beside and under furniture."""
+    low = [block.outline for block in blocks if block.closed and block.bottom < 1.0]
+    covered = raster.fill(low).astype(float)
+    return np.asarray(1 - 0.6 * ndimage.gaussian_filter(covered, 1.5), dtype=np.float32)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Self, TypeAlias
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +16,10 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import column_or_1d, validate_data
 
 from placecue.errors import DataError, UsageError
-from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
+from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, spoilt_rows, take
 from placecue.folds import Rows
 from placecue.scores import Layout, Scores
-
-#: Features of all training samples by a copy of a cue that has learned from the given ones only.
-FoldFeatures: TypeAlias = Callable[[Rows], FeatureBatch]
+from placecue.training_set import TrainingSet
 
 
 class UnfitSamples(DataError, ValueError, TypeError):
@@ -39,6 +38,8 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
 
     Attributes
     ----------
+    version : str
+        Changes when what it learns does; a model made with another version is not loaded.
     layout_ : Layout
         What the columns of the scores are; set by :meth:`fit`.
     labels_ : ndarray, shape (M,)
@@ -46,6 +47,7 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         classifier sets it with :meth:`learn_classes`, or leaves it out where labels are text.
     """
 
+    version: ClassVar[str] = "1"
     layout_: Layout
     labels_: NDArray[Any]
 
@@ -65,30 +67,16 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
             Their times, ns; folds of a parameter search are cut along them.
         """
 
-    def fit_on_learned(
-        self,
-        features: FeatureBatch,
-        labels: ArrayLike,
-        stamps: ArrayLike | None,
-        learned_from: FoldFeatures,
-    ) -> Self:
-        """Learn as :meth:`fit` does, from features of a cue that has learned from these samples.
+    def train(self, training: TrainingSet) -> Self:
+        """Learn from a training set; what a pipeline calls.
 
-        A codebook that was learned from a sample tells something of it. Override this where
-        :meth:`fit` holds samples out, to search parameters, say: in such a fold take the features
-        that ``learned_from`` returns. The default is :meth:`fit`.
-
-        Parameters
-        ----------
-        features : batch of n samples
-            By the cue as learned from all of them.
-        labels : array of str, shape (n,)
-        stamps : array of int, shape (n,), or None
-        learned_from : callable
-            Given the training rows of a fold, returns the features of all n samples by a copy of
-            the cue that has learned from those rows only. Each call reads the samples again.
+        Override it where :meth:`fit` holds samples out, to search parameters, say: the set cuts
+        the folds (:meth:`TrainingSet.split`) and gives each its own features where the cue learns
+        (:meth:`TrainingSet.relearned`). The default calls :meth:`fit` with all samples and their
+        augmented copies.
         """
-        return self.fit(features, labels, stamps)
+        stamps = None if training.stamps is None else training.repeated(training.stamps)
+        return self.fit(training.batch(), training.repeated(training.labels), stamps)
 
     @abstractmethod
     def scores(self, features: FeatureBatch) -> Scores:
@@ -104,7 +92,7 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         winner = self.scores(features).decide().ranking[:, 0]
         return np.asarray(self.classes_[winner])
 
-    def chosen(self) -> Self:
+    def best(self) -> Self:
         """Return an unfitted copy with what a parameter search found as fixed parameters.
 
         Out-of-fold scores are made with it, so that a search runs once and not once a fold.
@@ -113,34 +101,28 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         return copy  # type: ignore[no-any-return]
 
     def out_of_fold(
-        self,
-        features: FeatureBatch,
-        labels: NDArray[np.str_],
-        stamps: NDArray[np.int64] | None,
-        splits: Iterable[tuple[Rows, Rows]],
-    ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
+        self, training: TrainingSet, splits: Iterable[tuple[Rows, Rows]]
+    ) -> Iterator[tuple[Rows, Scores]]:
         """Yield what samples are scored by copies of this classifier that have not seen them.
 
         Override it where folds can share work, such as a Gram matrix.
 
         Parameters
         ----------
-        features : batch of n samples
-        labels : ndarray of str, shape (n,)
-        stamps : ndarray of int64, shape (n,), or None
-            Times, ns.
+        training : TrainingSet
+            n samples. Where the cue learns, it has learned from a fold's training rows only.
         splits : iterable of (training rows, held-out rows)
             The folds.
 
         Yields
         ------
-        tuple of held-out rows and their scores, shape (k, V)
-            By a copy of :meth:`chosen` that was fitted on the training rows.
+        tuple of held-out rows and their Scores, shape (k, V)
+            By a copy of :meth:`best` that was trained on the training rows, in its own layout.
         """
-        for training, held_out in splits:
-            times = None if stamps is None else stamps[training]
-            copy = self.chosen().fit(take(features, training), labels[training], times)
-            yield held_out, copy.scores(take(features, held_out)).values
+        for rows, held_out in splits:
+            of_fold = training.relearned(rows)
+            copy = self.best().train(of_fold.take(rows))
+            yield held_out, copy.scores(take(of_fold.features, held_out))
 
     # ------------------------------------------------------------------ for those who write one
 
@@ -197,9 +179,39 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
             )
         return self._some_and_finite(features)
 
-    def fold_features(self, learned_from: FoldFeatures, labels: ArrayLike) -> FoldFeatures:
-        """Return ``learned_from`` with its features checked as :meth:`training_samples` does."""
-        return lambda rows: clone(self).training_samples(learned_from(rows), labels)
+    def checked(self, training: TrainingSet) -> TrainingSet:
+        """Return a training set with its features checked, and learn the classes.
+
+        For those who override :meth:`train`; sets ``labels_``, in whose order the labels of the
+        returned set stand.
+
+        Raises
+        ------
+        DataError
+            If the features are not numbers, not finite or not as many as labels, or all samples
+            are of one class.
+        """
+        labels = training.labels
+        features = self.training_samples(training.features, labels)
+        augmented = [clone(self).training_samples(each, labels) for each in training.augmented]
+        codes = self.learn_classes(labels)
+        relearn = None
+        if training.relearn is not None:
+
+            def relearn(rows: Rows) -> TrainingSet:
+                return clone(self).checked(training.relearned(rows))
+
+        return replace(
+            training,
+            features=features,
+            labels=self.labels_[codes],
+            augmented=tuple(augmented),
+            relearn=relearn,
+        )
+
+    def codes(self, labels: NDArray[Any]) -> NDArray[np.int64]:
+        """Return the numbers of classes, 0 to M - 1 in the order of ``labels_``, shape (n,)."""
+        return np.searchsorted(self.labels_, labels).astype(np.int64)
 
     def samples(self, features: FeatureBatch) -> FeatureBatch:
         """Return features to score, checked: as long as in training, finite.
@@ -246,7 +258,7 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
     def _some_and_finite(self, features: FeatureBatch) -> FeatureBatch:
         if n_samples(features) == 0:
             raise UnfitSamples("there is no sample: give one or more")
-        rows = _spoilt_rows(features)
+        rows = spoilt_rows(features)
         if len(rows):
             raise UnfitSamples(
                 f"{len(rows)} of {n_samples(features)} samples hold NaN or infinite (inf) "
@@ -261,19 +273,6 @@ def wrong_kind(classifier: object, accepted: str, features: FeatureBatch) -> Wro
         f"classifier {type(classifier).__name__} takes {accepted}, got {kind_of(features)}: choose "
         "another classifier for this cue, such as svm with a kernel for such features"
     )
-
-
-def _spoilt_rows(features: Any) -> NDArray[np.int64]:
-    """Return the samples that hold a NaN or infinite number."""
-    if kind_of(features) is FeatureKind.DENSE:
-        spoilt = ~np.isfinite(features).all(axis=1)
-        return np.flatnonzero(spoilt)
-    if kind_of(features) is FeatureKind.SPARSE:
-        starts, places = features.indptr, np.flatnonzero(~np.isfinite(features.data))
-    else:
-        starts = features.offsets
-        places = np.flatnonzero(~np.isfinite(features.values).all(axis=1))
-    return np.unique(np.searchsorted(starts, places, side="right") - 1)
 
 
 def _in_one_line(error: Exception) -> str:

@@ -12,7 +12,7 @@ from placecue.features import FeatureBatch, Features, stack
 from placecue.observation import Observation, Part
 
 #: Makes an altered copy of an observation; see :meth:`Observation.altered`.
-Alteration: TypeAlias = Callable[[Observation], Observation]
+Augmentation: TypeAlias = Callable[[Observation], Observation]
 
 
 class Cue(BaseEstimator, ABC):  # type: ignore[misc]
@@ -60,11 +60,10 @@ class Cue(BaseEstimator, ABC):  # type: ignore[misc]
         """Learn from training observations; the default learns nothing."""
         return self
 
-    def alterations(self) -> Sequence[Alteration]:
+    def augmentations(self) -> Sequence[Augmentation]:
         """Return what training does to each observation to get further samples of its class.
 
-        What is asked about, and what the integrator learns on, is never altered; in the folds of a
-        parameter search copies stay with their sample. The default is none.
+        Copies are trained on with their sample and never scored. The default is none.
         """
         return ()
 

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from placecue.classifier import Classifier
-from placecue.cue import Cue
-from placecue.errors import DataError, UsageError, choices
+from placecue.attempts import attempt
+from placecue.cue_model import CueModel
+from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.extraction import Extraction
 from placecue.features import take
-from placecue.folds import FoldScheme, Rows
-from placecue.learning.samples import CueSamples, LearnedFrom
-from placecue.learning.training import train
+from placecue.folds import Rows
 from placecue.observation import Observation
-from placecue.progress import track
 from placecue.scores import Layout, Scores
 
-#: The cues of a pipeline, each with its classifier, in order of cost.
-CueModels: TypeAlias = Mapping[str, tuple[Cue, Classifier]]
+#: Some of n observations: their numbers, or a mask.
+Some: TypeAlias = Sequence[int] | NDArray[np.integer] | NDArray[np.bool_]
 
 
 class Evidence(ABC):
     """The scores of all cues for n observations.
+
+    A cue may be missing for some of them: then its row of scores is NaN, and
+    :meth:`available` says so.
 
     Attributes
     ----------
@@ -45,12 +45,23 @@ class Evidence(ABC):
         """Return the layout of a cue's scores, without computing any."""
 
     @abstractmethod
-    def scores(self, cue: str, rows: Sequence[int] | Rows | None = None) -> Scores:
-        """Return a cue's scores for the given rows (all by default), computing what is missing."""
+    def scores(self, cue: str) -> Scores:
+        """Return a cue's scores, shape (n, V), computing what is missing; NaN where it cannot."""
+
+    @abstractmethod
+    def available(self, cue: str) -> NDArray[np.bool_]:
+        """Return for which observations a cue has scores, as far as is known, shape (n,).
+
+        Before they are computed that is where its parts are there.
+        """
 
     @abstractmethod
     def used(self, row: int) -> tuple[str, ...]:
-        """Return the cues that have been asked about one observation so far."""
+        """Return the cues that one observation has scores of so far."""
+
+    @abstractmethod
+    def take(self, rows: Some) -> Evidence:
+        """Return the evidence of the given observations; what it computes is kept here too."""
 
 
 class StoredEvidence(Evidence):
@@ -59,7 +70,7 @@ class StoredEvidence(Evidence):
     Parameters
     ----------
     scores : mapping of str to Scores
-        For each cue the scores of the same n observations.
+        For each cue the scores of the same n observations; a row of NaN where it is missing.
     """
 
     def __init__(self, scores: Mapping[str, Scores]) -> None:
@@ -73,19 +84,22 @@ class StoredEvidence(Evidence):
         return len(next(iter(self._scores.values())))
 
     def layout(self, cue: str) -> Layout:  # noqa: D102
-        return self._of(cue).layout
+        return self.scores(cue).layout
 
-    def scores(self, cue: str, rows: Sequence[int] | Rows | None = None) -> Scores:  # noqa: D102
-        of_cue = self._of(cue)
-        return of_cue if rows is None else of_cue[rows]
-
-    def used(self, row: int) -> tuple[str, ...]:  # noqa: D102
-        return self.cues
-
-    def _of(self, cue: str) -> Scores:
+    def scores(self, cue: str) -> Scores:  # noqa: D102
         if cue not in self._scores:
             raise UsageError(f"there is no evidence of cue '{cue}'; {choices(cue, self.cues)}")
         return self._scores[cue]
+
+    def available(self, cue: str) -> NDArray[np.bool_]:  # noqa: D102
+        return self.scores(cue).available()
+
+    def used(self, row: int) -> tuple[str, ...]:  # noqa: D102
+        return tuple(cue for cue in self.cues if self._scores[cue][[row]].available().all())
+
+    def take(self, rows: Some) -> StoredEvidence:  # noqa: D102
+        some = np.arange(len(self))[np.asarray(rows)]
+        return StoredEvidence({cue: scores[some] for cue, scores in self._scores.items()})
 
 
 class ObservedEvidence(Evidence):
@@ -95,137 +109,162 @@ class ObservedEvidence(Evidence):
     ----------
     observations : sequence of Observation
         The batch.
-    models : mapping of str to (Cue, Classifier)
-        The fitted cues.
+    models : mapping of str to CueModel
+        The fitted cues with their classifiers.
     extraction : Extraction, optional
         How features come from observations; by default straight from the cues.
+    skip : bool
+        Whether an observation at which a component fails counts as unusable.
+
+    Attributes
+    ----------
+    failed : dict of (str, int) to UnusableObservation
+        Why a cue has no scores of an observation, by cue and row, where it was asked about it.
     """
 
     def __init__(
         self,
         observations: Sequence[Observation],
-        models: CueModels,
+        models: Mapping[str, CueModel],
         extraction: Extraction | None = None,
+        *,
+        skip: bool = False,
     ) -> None:
         self.cues = tuple(models)
+        self._skip = skip
+        self.failed: dict[tuple[str, int], UnusableObservation] = {}
         self._extraction = Extraction() if extraction is None else extraction
         self._observations = observations
         self._models = models
         self._values: dict[str, NDArray[np.float64]] = {}
-        self._known: dict[str, NDArray[np.bool_]] = {}
+        self._asked: dict[str, NDArray[np.bool_]] = {}
 
     def __len__(self) -> int:
         return len(self._observations)
 
     def layout(self, cue: str) -> Layout:  # noqa: D102
-        return self._model(cue)[1].layout_
+        return self._model(cue).layout
 
-    def scores(self, cue: str, rows: Sequence[int] | Rows | None = None) -> Scores:  # noqa: D102
-        extractor, classifier = self._model(cue)
-        rows = np.arange(len(self)) if rows is None else np.asarray(rows)
-        n_columns = len(classifier.layout_.columns)
-        known = self._known.setdefault(cue, np.zeros(len(self), dtype=bool))
-        values = self._values.setdefault(cue, np.empty((len(self), n_columns)))
-        fresh = rows[~known[rows]]
+    def scores(self, cue: str) -> Scores:  # noqa: D102
+        return self.scores_of(cue, np.arange(len(self)))
+
+    def scores_of(self, cue: str, rows: Rows) -> Scores:
+        """Return a cue's scores of the given observations, computing what is missing."""
+        model = self._model(cue)
+        shape = len(self), len(model.layout.columns)
+        asked = self._asked.setdefault(cue, np.zeros(len(self), dtype=bool))
+        values = self._values.setdefault(cue, np.full(shape, np.nan))
+        fresh = rows[~asked[rows]]
         if fresh.size:
-            asked = [self._observations[row] for row in fresh]
-            features = self._extraction.transform(extractor, asked)
-            values[fresh] = classifier.scores(features).values
-            known[fresh] = True
-        return Scores(values[rows], classifier.layout_)
+            self._compute(cue, model, fresh)
+            asked[fresh] = True
+        return Scores(values[rows], model.layout)
+
+    def _compute(self, cue: str, model: CueModel, fresh: Rows) -> None:
+        asked = [self._observations[row] for row in fresh]
+        extracted = self._extraction.extract(model.cue, asked, skip=self._skip)
+        self._note(cue, fresh, extracted.failed)
+        features, rows = extracted.features, fresh[extracted.rows]
+        if features is None:
+            return
+        scored = attempt(lambda some: model.scores(take(features, some)), len(rows), skip=self._skip)
+        self._note(cue, rows, scored.failed)
+        for some, scores in scored.answers:
+            self._values[cue][rows[some]] = scores.values
+
+    def _note(self, cue: str, rows: Rows, failed: Mapping[int, UnusableObservation]) -> None:
+        self.failed |= {(cue, int(rows[number])): error for number, error in failed.items()}
+
+    def available(self, cue: str) -> NDArray[np.bool_]:  # noqa: D102
+        model = self._model(cue)
+        there = np.array(
+            [all(map(each.has, model.cue.requires)) for each in self._observations], dtype=bool
+        )
+        if cue in self._asked:
+            scored = ~np.isnan(self._values[cue]).any(axis=1)
+            there = np.where(self._asked[cue], scored, there)
+        return there
 
     def used(self, row: int) -> tuple[str, ...]:  # noqa: D102
-        return tuple(cue for cue in self.cues if cue in self._known and self._known[cue][row])
+        return tuple(
+            cue for cue, values in self._values.items() if not np.isnan(values[row]).any()
+        )
 
-    def _model(self, cue: str) -> tuple[Cue, Classifier]:
+    def scores_at(self, row: int) -> dict[str, Scores]:
+        """Return the scores of one observation that are there so far, one row a cue."""
+        at = [row]
+        return {
+            cue: Scores(self._values[cue][at], self._model(cue).layout) for cue in self.used(row)
+        }
+
+    def reason(self, row: int) -> UnusableObservation:
+        """Return why one observation cannot be told."""
+        found = (self.failed.get((cue, row)) for cue in self.cues)
+        stamp = self._observations[row].stamp
+        nothing = UnusableObservation(f"nothing can be told of the observation at stamp {stamp}")
+        return next((error for error in found if error is not None), nothing)
+
+    def take(self, rows: Some) -> Evidence:  # noqa: D102
+        return _View(self, np.arange(len(self))[np.asarray(rows)])
+
+    def _model(self, cue: str) -> CueModel:
         if cue not in self._models:
             raise UsageError(f"there is no cue '{cue}'; {choices(cue, self.cues)}")
         return self._models[cue]
 
 
-class OutOfFold:
-    """Scores that each sample gets from a classifier which has not seen it.
+class _View(Evidence):
+    """Some of the observations of evidence that is computed on demand."""
 
-    An integrator fitted on scores of the very samples that the single-cue models were trained on
-    trusts whichever cue overfits most.
+    def __init__(self, whole: ObservedEvidence, rows: Rows) -> None:
+        self.cues = whole.cues
+        self._whole, self._rows = whole, rows
 
-    Parameters
-    ----------
-    folds : FoldScheme
-        How the samples are cut.
-    """
+    def __len__(self) -> int:
+        return len(self._rows)
 
-    def __init__(self, folds: FoldScheme) -> None:
-        self.folds = folds
+    def layout(self, cue: str) -> Layout:
+        return self._whole.layout(cue)
 
-    def scores(
-        self,
-        classifier: Classifier,
-        samples: CueSamples | LearnedFrom,
-        labels: NDArray[np.str_],
-        stamps: ArrayLike | None = None,
-        *,
-        what: str = "cue",
-    ) -> Scores:
-        """Return the out-of-fold scores of one cue.
+    def scores(self, cue: str) -> Scores:
+        return self._whole.scores_of(cue, self._rows)
 
-        Parameters
-        ----------
-        classifier : Classifier
-            A fitted classifier; copies with its chosen parameters are fitted in each fold.
-        samples : CueSamples, or callable
-            The features of all n samples by a cue that learns nothing; of one that learns, what
-            returns them given the training rows of a fold, from which alone the cue has learned.
-            Altered copies are trained on and never scored.
-        labels : ndarray of str, shape (n,)
-            The classes of the samples.
-        stamps : array of int, shape (n,), optional
-            Their times, ns.
-        what : str
-            The name of the cue, for progress and messages.
+    def available(self, cue: str) -> NDArray[np.bool_]:
+        return self._whole.available(cue)[self._rows]
 
-        Returns
-        -------
-        Scores
-            Shape (n, V) in the fitted classifier's layout; NaN for a sample that no fold held out.
-        """
-        values = np.full((len(labels), len(classifier.layout_.columns)), np.nan)
-        times = None if stamps is None else np.asarray(stamps)
-        splits = track(list(self.folds.split(labels, times)), f"{what}: out-of-fold scores")
-        if isinstance(samples, CueSamples) and not samples.altered:
-            scored = classifier.out_of_fold(samples.features, labels, times, splits)
-        else:
-            scored = _fitted_anew(classifier, samples, labels, times, splits)
-        for held_out, scores in scored:
-            values[held_out] = scores
-        return Scores(values, classifier.layout_)
+    def used(self, row: int) -> tuple[str, ...]:
+        return self._whole.used(int(self._rows[row]))
+
+    def take(self, rows: Some) -> Evidence:
+        return _View(self._whole, self._rows[np.asarray(rows)])
 
 
-def _fitted_anew(
-    classifier: Classifier,
-    samples: CueSamples | LearnedFrom,
-    labels: NDArray[np.str_],
-    stamps: NDArray[np.int64] | None,
-    splits: Iterable[tuple[Rows, Rows]],
-) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
-    """Yield held-out rows with their scores; each fold has features and copies of its own."""
-    learned_from = None if isinstance(samples, CueSamples) else samples
-    for training, held_out in splits:
-        of_fold = samples if isinstance(samples, CueSamples) else samples(training)
-        copy = train(classifier.chosen(), of_fold, labels, stamps, training, learned_from)
-        yield held_out, copy.scores(take(of_fold.features, held_out)).values
-
-
-def scored_rows(evidence: Mapping[str, Scores]) -> Rows:
-    """Return the rows for which every cue has scores.
+def concatenate(parts: Sequence[Evidence]) -> StoredEvidence:
+    """Return the evidence of several batches, such as those of several sequences, as one.
 
     Raises
     ------
-    DataError
-        If there are none.
+    UsageError
+        If there is none, or the parts are of other cues or layouts.
     """
-    known = [~np.isnan(scores.values).any(axis=1) for scores in evidence.values()]
-    rows = np.flatnonzero(np.logical_and.reduce(known))
-    if rows.size == 0:
-        raise DataError("no sample has out-of-fold scores: give more training samples")
-    return rows.astype(np.int64)
+    if not parts:
+        raise UsageError("no evidence to concatenate: give one part or more")
+    first = parts[0]
+    joined = {}
+    for part in parts[1:]:
+        if part.cues != first.cues:
+            raise UsageError(
+                f"evidence of the cues {', '.join(first.cues)} cannot be joined to evidence of "
+                f"{', '.join(part.cues)}: give parts of the same cues"
+            )
+    for cue in first.cues:
+        layout = first.layout(cue)
+        for part in parts[1:]:
+            if part.layout(cue) != layout:
+                raise UsageError(
+                    f"the scores of cue '{cue}' are {layout} in one part and {part.layout(cue)} "
+                    "in another: join parts by models of one layout and the same classes"
+                )
+        values = np.concatenate([part.scores(cue).values for part in parts])
+        joined[cue] = Scores(values, layout)
+    return StoredEvidence(joined)

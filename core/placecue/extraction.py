@@ -2,31 +2,99 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import islice
 from typing import Any, TypeVar
 
+import numpy as np
+
+from placecue import contracts
+from placecue.attempts import Attempts, attempt
 from placecue.cue import Cue
-from placecue.features import FeatureBatch, Features
+from placecue.errors import ComponentError, UnusableObservation
+from placecue.features import FeatureBatch, join, spoilt_rows
+from placecue.folds import Rows
+from placecue.guard import call
 from placecue.observation import Observation, Origin
-from placecue.source import Source
 
 AnyCue = TypeVar("AnyCue", bound=Cue)
+T = TypeVar("T")
+#: Observations that are extracted together where nobody waits for them.
+BATCH = 32
+
+
+@dataclass(frozen=True)
+class Extracted:
+    """The features of n observations, as far as there are any.
+
+    Parameters
+    ----------
+    rows : ndarray of int64, shape (k,)
+        Which of the observations have features.
+    features : batch of k samples, or None
+        None where k is 0.
+    failed : dict of int to UnusableObservation
+        Why the others have none, by row.
+    """
+
+    rows: Rows
+    features: FeatureBatch | None
+    failed: dict[int, UnusableObservation] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, attempts: Attempts[FeatureBatch]) -> Extracted:
+        """Return the answers of a cue as one batch."""
+        batches = [batch for _, batch in attempts.answers]
+        batch = join(batches) if len(batches) > 1 else batches[0] if batches else None
+        return cls(attempts.rows, batch, attempts.failed)
 
 
 class Extraction:
-    """Asks the cues, every time. A feature cache is a subclass that asks them once."""
+    """Asks the cues, every time. A feature cache is a subclass that asks them once.
 
-    def following(self, source: Source) -> Source:
-        """Return a log whose observations can be told apart by :attr:`Observation.origin`."""
-        return source
+    A batch is asked for as a batch: a network looks at 32 images far faster than 32 times at one.
+    """
 
-    def features(self, cue: Cue, observation: Observation) -> Features:
-        """Return the features of one observation; see :meth:`Cue.features`."""
-        return cue.features(observation)
+    def extract(
+        self, cue: Cue, observations: Sequence[Observation], *, skip: bool = False
+    ) -> Extracted:
+        """Return the features of observations; those that are unusable are said, not raised.
+
+        Parameters
+        ----------
+        cue : Cue
+            Fitted, where it learns.
+        observations : sequence of Observation
+        skip : bool
+            Whether an observation at which the cue fails counts as unusable.
+        """
+        ready, failed = _ready(cue, observations)
+        asked = Extracted.of(
+            attempt(lambda rows: _asked(cue, [ready[row] for row in rows]), len(ready), skip=skip)
+        )
+        there = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
+        failed |= {int(there[row]): error for row, error in asked.failed.items()}
+        return Extracted(there[asked.rows], asked.features, failed)
 
     def transform(self, cue: Cue, observations: Iterable[Observation]) -> FeatureBatch:
-        """Return the features of several observations; see :meth:`Cue.transform`."""
-        return cue.transform(observations)
+        """Return the features of observations, all of which must be usable.
+
+        No more than a batch of them is held.
+
+        Raises
+        ------
+        UnusableObservation
+            If one is not.
+        """
+        batches = []
+        for some in batched(observations, BATCH):
+            extracted = self.extract(cue, some)
+            for error in extracted.failed.values():
+                raise error
+            batches.append(extracted.features)
+        return join([batch for batch in batches if batch is not None])
 
     def fit(
         self,
@@ -48,4 +116,43 @@ class Extraction:
         origins : sequence of n origins
             Where they come from, known without reading them again.
         """
-        return cue.fit(observations, labels)
+        call(cue, "fit", observations, labels)
+        return cue
+
+
+def batched(items: Iterable[T], size: int) -> Iterator[list[T]]:
+    """Yield lists of up to ``size`` items."""
+    iterator = iter(items)
+    while some := list(islice(iterator, size)):
+        yield some
+
+
+def _ready(
+    cue: Cue, observations: Sequence[Observation]
+) -> tuple[list[Observation], dict[int, UnusableObservation]]:
+    """Return the observations whose parts are there and decode, and why the others' are not."""
+    ready, failed = [], {}
+    for row, observation in enumerate(observations):
+        try:
+            observation.require(cue.requires)
+            if "image" in cue.requires:
+                _ = observation.image
+            ready.append(observation)
+        except UnusableObservation as error:
+            failed[row] = error
+    return ready, failed
+
+
+def _asked(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:
+    """Return what a cue makes of observations, checked."""
+    at = observations[0] if len(observations) == 1 else None
+    check = partial(contracts.batch, n=len(observations))
+    batch: FeatureBatch = call(cue, "transform", observations, check=check, at=at)
+    spoilt = spoilt_rows(batch)
+    if len(spoilt):
+        where = observations[spoilt[0]]
+        raise ComponentError(
+            f"cue {type(cue).__name__}: {len(spoilt)} of {len(observations)} observations have "
+            f"NaN or infinite (inf) features, the first at stamp {where.stamp}"
+        )
+    return batch

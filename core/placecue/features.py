@@ -126,6 +126,19 @@ def take(batch: FeatureBatch, rows: NDArray[np.integer] | NDArray[np.bool_]) -> 
     return batch[rows]
 
 
+def spoilt_rows(features: FeatureBatch) -> NDArray[np.int64]:
+    """Return the samples that hold a NaN or infinite number, shape (k,)."""
+    if kind_of(features) is FeatureKind.DENSE:
+        spoilt = ~np.isfinite(features).all(axis=1)
+        return np.flatnonzero(spoilt)
+    if kind_of(features) is FeatureKind.SPARSE:
+        starts, places = features.indptr, np.flatnonzero(~np.isfinite(features.data))
+    else:
+        starts = features.offsets
+        places = np.flatnonzero(~np.isfinite(features.values).all(axis=1))
+    return np.unique(np.searchsorted(starts, places, side="right") - 1)
+
+
 def _stack_descriptors(sets: Sequence[NDArray[np.floating]], d: int) -> DescriptorSets:
     offsets = np.concatenate([[0], np.cumsum([len(s) for s in sets])]).astype(np.int64)
     dtype = sets[0].dtype if sets else np.float32

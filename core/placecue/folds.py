@@ -47,7 +47,10 @@ class FoldScheme(ABC):
         """
 
     def split(
-        self, labels: ArrayLike, stamps: ArrayLike | None = None
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
     ) -> Iterator[tuple[Rows, Rows]]:
         """Yield (training rows, held-out rows) for each fold.
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, Self
+from typing import ClassVar, Self
 
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, clone
 
 from placecue.errors import UsageError
 from placecue.evidence import Evidence
-from placecue.folds import Rows
+from placecue.held_out import HeldOut
 from placecue.scores import Scores
 
 
@@ -18,7 +18,14 @@ class Integrator(BaseEstimator, ABC):  # type: ignore[misc]
     """Joins the cues' scores; a scikit-learn estimator over evidence.
 
     It is fitted on scores of samples that the single-cue models have not seen.
+
+    Attributes
+    ----------
+    version : str
+        Changes when what it learns does; a model made with another version is not loaded.
     """
+
+    version: ClassVar[str] = "1"
 
     @abstractmethod
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
@@ -34,21 +41,26 @@ class Integrator(BaseEstimator, ABC):  # type: ignore[misc]
             Their times, ns.
         """
 
+    def train(self, held_out: HeldOut) -> Self:
+        """Learn how to join the cues from held-out evidence; what a pipeline calls.
+
+        Override it where :meth:`fit` needs more than evidence, labels and stamps: the groups of
+        the samples, or how they are cut (``held_out.folds``). The default calls :meth:`fit`.
+        """
+        return self.fit(held_out.evidence, held_out.labels, held_out.stamps)
+
     @abstractmethod
-    def integrate(self, evidence: Evidence, rows: Rows | None = None) -> Scores:
-        """Return the integrated scores of the given rows (all by default).
+    def integrate(self, evidence: Evidence) -> Scores:
+        """Return the integrated scores of n observations, NaN for those that cannot be told.
 
-        Only the cues asked for through ``evidence.scores`` are extracted.
+        Only the cues asked for through ``evidence.scores`` are extracted; ``evidence.take`` asks
+        for some of the observations only.
         """
 
-    def chosen(self) -> Self:
-        """Return an unfitted copy with what a parameter search found as fixed parameters.
-
-        Decisions on held-out samples are made with it, so that a search runs once and not once a
-        fold; see :meth:`placecue.classifier.Classifier.chosen`.
-        """
-        copy: Any = clone(self)
-        return copy  # type: ignore[no-any-return]
+    def unfitted(self) -> Self:
+        """Return a copy that has learned nothing, with the same parameters."""
+        copy: Self = clone(self)
+        return copy
 
 
 class OnlyCue(Integrator):
@@ -60,8 +72,8 @@ class OnlyCue(Integrator):
         self._only(evidence)
         return self
 
-    def integrate(self, evidence: Evidence, rows: Rows | None = None) -> Scores:  # noqa: D102
-        return evidence.scores(self._only(evidence), rows)
+    def integrate(self, evidence: Evidence) -> Scores:  # noqa: D102
+        return evidence.scores(self._only(evidence))
 
     @staticmethod
     def _only(evidence: Evidence) -> str:

@@ -8,30 +8,35 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
-from itertools import islice
 from typing import Self
 
 import numpy as np
 
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
+from placecue.checks import check_choice
 from placecue.classifier import Classifier
 from placecue.cue import Cue
+from placecue.cue_model import CueModel
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.evidence import Evidence, ObservedEvidence, OutOfFold, StoredEvidence, scored_rows
-from placecue.extraction import Extraction
-from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.evidence import ObservedEvidence, StoredEvidence
+from placecue.extraction import Extraction, batched
+from placecue.folds import FoldScheme, InterleavedChunks
+from placecue.guard import call
+from placecue.held_out import HeldOut
+from placecue.integration import integrated
 from placecue.integrator import Integrator, OnlyCue
-from placecue.learning.held_out import HeldOut
-from placecue.learning.rejection import Rejection, Unknown
+from placecue.learning.judging import Judged, judged_by_copies, judged_by_integrators
+from placecue.learning.rejection import Rejection, Unknown, choose_threshold
 from placecue.learning.samples import Samples, collect
-from placecue.learning.training import train
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
-from placecue.scores import Probabilities
+from placecue.scores import Probabilities, Scores
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
+
+#: What becomes of an observation at which a component fails.
+ON_ERROR = ("stop", "skip")
 
 log = logging.getLogger(__name__)
 
@@ -41,13 +46,14 @@ class Pipeline:
 
     Parameters
     ----------
-    cues : mapping of str to (Cue, Classifier)
+    cues : mapping of str to CueModel or (Cue, Classifier)
         The cues by name, in order of cost, each with its classifier.
     integrator : Integrator, optional
         Joins the cues; may be left out where there is one cue.
     folds : FoldScheme, optional
-        How the training samples are cut to fit the integrator on scores that the single-cue
-        models have not seen; interleaved chunks of 2 s by default.
+        How the training samples are cut, wherever some are held out: to fit the integrator on
+        scores that the single-cue models have not seen, and in every classifier that has no
+        scheme of its own. Interleaved chunks of 2 s by default.
     unknown : Unknown, optional
         Call decisions that are not sure enough "unknown"; without it every belief names a class.
 
@@ -55,11 +61,16 @@ class Pipeline:
     ----------
     extraction : Extraction
         How features come from observations: straight from the cues, unless one sets a cache here.
+    on_error : {"stop", "skip"}
+        What becomes of an observation at which a component fails: the error, or it is passed over
+        and counted.
     rejection_ : Rejection or None
         The threshold below which a decision is "unknown", chosen by :meth:`fit`.
     held_out_ : HeldOut or None
-        Scores that :meth:`fit` made of samples which the single-cue models have not seen, where
-        it needed them; not saved with a model.
+        Scores of samples which the single-cue models have not seen, on which :meth:`fit` fitted
+        the integrator, where there was one; not saved with a model.
+    judged_ : list of Judged or None
+        Scores held out of everything, where :meth:`fit` needed them; not saved with a model.
 
     Examples
     --------
@@ -73,7 +84,7 @@ class Pipeline:
 
     def __init__(
         self,
-        cues: Mapping[str, tuple[Cue, Classifier]],
+        cues: Mapping[str, CueModel | tuple[Cue, Classifier]],
         integrator: Integrator | None = None,
         folds: FoldScheme | None = None,
         unknown: Unknown | None = None,
@@ -85,13 +96,15 @@ class Pipeline:
                 f"{len(cues)} cues ({', '.join(cues)}) and no integrator: choose one, such as "
                 "integrator=svm_das"
             )
-        self.cues = dict(cues)
+        self.cues = {name: CueModel.of(model) for name, model in cues.items()}
         self.integrator = OnlyCue() if integrator is None else integrator
         self.folds = InterleavedChunks() if folds is None else folds
         self.unknown = unknown
         self.extraction = Extraction()
+        self.on_error = "stop"
         self.rejection_: Rejection | None = None
         self.held_out_: HeldOut | None = None
+        self.judged_: list[Judged] | None = None
 
     # ------------------------------------------------------------------ one observation
 
@@ -113,20 +126,36 @@ class Pipeline:
         UnusableObservation
             If a part that a cue needs is missing or spoilt in one of them.
         """
-        evidence = ObservedEvidence(observations, self.cues, self.extraction)  # extract, score
-        scores = self.integrator.integrate(evidence)  # integrate
-        decision = scores.decide()  # decide
+        beliefs = []
+        for belief in self._beliefs(observations):
+            if isinstance(belief, UnusableObservation):
+                raise belief
+            beliefs.append(belief)
+        return beliefs
+
+    def _beliefs(
+        self, observations: Sequence[Observation]
+    ) -> Iterator[Belief | UnusableObservation]:
+        """Yield the belief of each observation, or why there is none."""
+        evidence = ObservedEvidence(  # extract, score
+            observations, self.cues, self.extraction, skip=self.skips
+        )
+        scores, failed = integrated(self.integrator, evidence, skip=self.skips)  # integrate
+        there = np.flatnonzero(scores.available())
+        decision = scores[there].decide()  # decide
         labels = decision.labels if self.rejection_ is None else self.rejection_.labels(decision)
-        return [
-            Belief(
+        decided = dict(zip(there.tolist(), range(len(there)), strict=True))
+        for row, observation in enumerate(observations):
+            if row not in decided:
+                yield failed.get(row) or evidence.reason(row)
+                continue
+            yield Belief(
                 stamp=observation.stamp,
                 scores=scores[row : row + 1],
-                label=str(labels[row]),
-                confidence=float(decision.confidence[row]),
-                cue_scores={cue: evidence.scores(cue, [row]) for cue in evidence.used(row)},
+                label=str(labels[decided[row]]),
+                confidence=float(decision.confidence[decided[row]]),
+                cue_scores=evidence.scores_at(row),
             )
-            for row, observation in enumerate(observations)
-        ]
 
     def label(
         self, observations: Iterable[Observation], accumulator: Accumulator, batch: int = 1
@@ -162,10 +191,14 @@ class Pipeline:
             If no observation was usable.
         """
         skipped, total = Skipped(), 0
-        iterator = iter(observations)
-        while group := list(islice(iterator, batch)):
+        for group in batched(observations, batch):
             total += len(group)
-            yield from zip(group, self._beliefs_of(group, skipped), strict=True)
+            for observation, belief in zip(group, self._beliefs(group), strict=True):
+                if isinstance(belief, UnusableObservation):
+                    skipped.add(belief)
+                    yield observation, None
+                else:
+                    yield observation, belief
         if total == 0:
             raise DataError("the log holds no observation")
         skipped.report(total)
@@ -173,15 +206,6 @@ class Pipeline:
     def beliefs(self, observations: Iterable[Observation], batch: int = 1) -> Iterator[Belief]:
         """Yield the belief of each usable observation; see :meth:`follow`."""
         return (belief for _, belief in self.follow(observations, batch) if belief is not None)
-
-    def _beliefs_of(self, group: list[Observation], skipped: Skipped) -> list[Belief | None]:
-        try:
-            return list(self.believe(group))
-        except UnusableObservation as error:
-            if len(group) == 1:
-                skipped.add(error)
-                return [None]
-            return [self._beliefs_of([each], skipped)[0] for each in group]
 
     # ------------------------------------------------------------------ training
 
@@ -205,8 +229,8 @@ class Pipeline:
             Labelled observations of another sequence to fit the integrator and choose the
             threshold for "unknown" on. Without them out-of-fold scores of ``observations`` serve.
         reliability : bool
-            Set :attr:`held_out_` also for the sake of a reliability diagram alone: where a single
-            cue gives probabilities and no "unknown" is asked for.
+            Set :attr:`judged_` also for the sake of a reliability diagram alone: where a cue or
+            the integrator gives probabilities and no "unknown" is asked for.
 
         Raises
         ------
@@ -214,37 +238,134 @@ class Pipeline:
             If there are no labels, fewer than two classes, a class of one sample, or one called
             "unknown" where that is to be said of what is none of the classes.
         """
-        samples = self._collect(observations)
+        samples = self.collect(observations)
         _check_classes(samples)
-        self._check_names(samples)
-        self.rejection_ = self.held_out_ = None
-        for name, (cue, classifier) in track(self.cues.items(), "training", len(self.cues)):
-            learned_from = None
-            if cue.learns:
-                samples.fit(cue)
-                learned_from = partial(samples.learned_from, name, cue)
-            of_cue = samples.of_cue(name, cue)
-            train(classifier, of_cue, samples.labels, samples.stamps, learned_from=learned_from)
-        if not self._needs_held_out(reliability):
-            if integration is not None:
-                log.warning(
-                    "the integration log is not used: one cue needs no integration, and neither "
-                    "'unknown' nor probabilities are asked for"
-                )
-            return self
-        held_out, foreign = self._held_out(samples, integration)
-        self.integrator.fit(held_out.evidence, held_out.labels, held_out.stamps)
-        if self.unknown is not None:
-            rate = self.unknown.false_accept_rate
-            self.rejection_ = held_out.rejection(self.integrator, self.folds, rate, foreign)
-        self.held_out_ = held_out
+        self.rejection_ = self.held_out_ = self.judged_ = None
+        self.fit_cues(samples)
+        judges = self.unknown is not None or (reliability and self._tells_probabilities())
+        unseen = foreign = None
+        if integration is not None and (self.integrates or judges):
+            unseen, foreign = self._unseen(integration)
+        elif integration is not None:
+            log.warning(
+                "the integration log is not used: one cue needs no integration, and neither "
+                "'unknown' nor probabilities are asked for"
+            )
+        self.held_out_ = unseen
+        if self.integrates:
+            self.held_out_ = self.held_out(samples) if unseen is None else unseen
+            self.fit_integrator(self.held_out_)
+            judges |= reliability and self._tells_probabilities()
+        if judges:
+            self.judged_ = self._judged(samples, unseen)
+        if self.unknown is not None and self.judged_ is not None:
+            others = [] if foreign is None else [self._judge(foreign)]
+            self.fit_rejection([*self.judged_, *others])
         return self
 
-    def _needs_held_out(self, reliability: bool) -> bool:
-        if not isinstance(self.integrator, OnlyCue) or self.unknown is not None:
-            return True
-        layouts = [classifier.layout_ for _, classifier in self.cues.values()]
-        return reliability and any(isinstance(each, Probabilities) for each in layouts)
+    def collect(self, observations: Iterable[Observation]) -> Samples:
+        """Read labelled observations and extract every cue that learns nothing, for the fits."""
+        cues = {name: model.cue for name, model in self.cues.items()}
+        samples = collect(observations, cues, self.extraction, self.folds, skip=self.skips)
+        self._check_names(samples)
+        return samples
+
+    def fit_cues(self, samples: Samples) -> Self:
+        """Train the single-cue models; a cue that learns is fitted first.
+
+        Parameters
+        ----------
+        samples : Samples
+            What :meth:`collect` returned.
+        """
+        for name, model in track(self.cues.items(), "training", len(self.cues)):
+            model.fit(samples.training_set(name, model.cue))
+        return self
+
+    def held_out(self, samples: Samples) -> HeldOut:
+        """Return scores of the training samples by copies of the models that have not seen them.
+
+        What an integrator is fitted on. Cues are not trained again for a second integrator:
+        ``Pipeline(first.cues, other).fit_integrator(held_out)``.
+
+        Raises
+        ------
+        DataError
+            If no fold holds samples out.
+        """
+        scores = {
+            name: model.held_out(samples.training_set(name, model.cue), self.folds, name=name)
+            for name, model in self.cues.items()
+        }
+        held_out = HeldOut(
+            StoredEvidence(scores), samples.labels, samples.stamps, samples.groups, self.folds
+        )
+        known = np.logical_and.reduce([each.available() for each in scores.values()])
+        if not known.any():
+            raise DataError("no sample has out-of-fold scores: give more training samples")
+        return held_out if known.all() else held_out.take(np.flatnonzero(known))
+
+    def fit_integrator(self, held_out: HeldOut) -> Self:
+        """Fit the integrator on scores that the single-cue models have not been trained on."""
+        call(self.integrator, "train", held_out)
+        return self
+
+    def fit_rejection(self, judged: Sequence[Judged]) -> Self:
+        """Choose the threshold for "unknown" on decisions held out of everything."""
+        if self.unknown is None:
+            raise UsageError("no 'unknown' is asked for: give unknown=Unknown(false_accept_rate)")
+        confidence, correct = zip(*(each.decisions() for each in judged), strict=True)
+        self.rejection_ = choose_threshold(
+            np.concatenate(confidence), np.concatenate(correct), self.unknown.false_accept_rate
+        )
+        return self
+
+    def evidence_of(self, samples: Samples) -> StoredEvidence:
+        """Return the scores of labelled samples that were not trained on."""
+        return StoredEvidence(
+            {
+                name: model.scores(samples.features(name, model.cue))
+                for name, model in self.cues.items()
+            }
+        )
+
+    def unfitted(self) -> Pipeline:
+        """Return a copy that has learned nothing, with the same parameters and extraction."""
+        cues = {name: model.unfitted() for name, model in self.cues.items()}
+        copy = Pipeline(cues, self.integrator.unfitted(), self.folds, self.unknown)
+        copy.extraction, copy.on_error = self.extraction, self.on_error
+        return copy
+
+    @property
+    def integrates(self) -> bool:
+        """Whether there is anything to integrate."""
+        return not isinstance(self.integrator, OnlyCue)
+
+    @property
+    def skips(self) -> bool:
+        """Whether an observation at which a component fails is passed over."""
+        check_choice("on_error", self.on_error, ON_ERROR)
+        return self.on_error == "skip"
+
+    def _judged(self, samples: Samples, held_out: HeldOut | None) -> list[Judged]:
+        if held_out is None:
+            return judged_by_copies(self, samples)
+        if not self.integrates:
+            return [self._judge(held_out)]
+        return judged_by_integrators(self.integrator, held_out)
+
+    def _judge(self, unseen: HeldOut) -> Judged:
+        """Return what the pipeline says of samples that no part of it has seen."""
+        scores = self.integrator.integrate(unseen.evidence)
+        return Judged(unseen.labels, scores, unseen.evidence)
+
+    def _tells_probabilities(self) -> bool:
+        """Tell whether a cue, or the fitted integrator, gives probabilities."""
+        layouts = [model.layout for model in self.cues.values()]
+        if self.held_out_ is not None and self.integrates:
+            one = self.held_out_.evidence.take([0])
+            layouts.append(self.integrator.integrate(one).layout)
+        return any(isinstance(layout, Probabilities) for layout in layouts)
 
     def _check_names(self, samples: Samples) -> None:
         if self.unknown is not None and UNKNOWN in samples.labels:
@@ -254,39 +375,14 @@ class Pipeline:
                 f"{{{UNKNOWN}: null}}), or leave out unknown.false_accept_rate"
             )
 
-    def _collect(self, observations: Iterable[Observation]) -> Samples:
-        cues = {name: cue for name, (cue, _) in self.cues.items()}
-        return collect(observations, cues, self.extraction)
-
-    def _out_of_fold(self, samples: Samples) -> tuple[Evidence, Rows]:
-        out_of_fold = OutOfFold(self.folds)
-        scores = {}
-        for name, (cue, classifier) in self.cues.items():
-            learned = partial(samples.learned_from, name, cue)
-            features = learned if cue.learns else samples.of_cue(name, cue)
-            scores[name] = out_of_fold.scores(
-                classifier, features, samples.labels, samples.stamps, what=name
-            )
-        rows = scored_rows(scores)
-        return StoredEvidence({name: of_cue[rows] for name, of_cue in scores.items()}), rows
-
-    def _held_out(
-        self, samples: Samples, integration: Iterable[Observation] | None
-    ) -> tuple[HeldOut, HeldOut | None]:
-        """Return what the single-cue models have not seen, and samples of other places, if any."""
-        if integration is None:
-            evidence, rows = self._out_of_fold(samples)
-            return HeldOut(evidence, samples.labels[rows], samples.stamps[rows]), None
-        unseen = self._collect(integration)
-        self._check_names(unseen)
-        every = HeldOut(self._scored(unseen), unseen.labels, unseen.stamps)
+    def _unseen(self, observations: Iterable[Observation]) -> tuple[HeldOut, HeldOut | None]:
+        """Return the evidence of another sequence, and that of other places in it, if any."""
+        unseen = self.collect(observations)
+        evidence = self.evidence_of(unseen)
+        every = HeldOut(evidence, unseen.labels, unseen.stamps, unseen.groups, self.folds)
         held_out, foreign = every.parted(self.classes)
-        self._check_integration(held_out, foreign)
-        return held_out, foreign
-
-    def _check_integration(self, unseen: HeldOut, foreign: HeldOut | None) -> None:
-        missing = set(self.classes) - set(unseen.labels.tolist())
-        if missing and not isinstance(self.integrator, OnlyCue):
+        missing = set(self.classes) - set(held_out.labels.tolist())
+        if missing and self.integrates:
             raise DataError(
                 f"the integration log has no sample of {', '.join(sorted(missing))}: an integrator "
                 "fitted on it would never say so; give a log with every class of the training log"
@@ -294,29 +390,22 @@ class Pipeline:
         if foreign is not None and self.unknown is None:
             names = ", ".join(sorted(set(foreign.labels.tolist())))
             log.warning(
-                f"{len(foreign.labels)} samples of the integration log are left out: {names} is no "
+                f"{len(foreign)} samples of the integration log are left out: {names} is no "
                 "class of the training log"
             )
-
-    def _scored(self, samples: Samples) -> Evidence:
-        return StoredEvidence(
-            {
-                name: classifier.scores(samples.of_cue(name, cue).features)
-                for name, (cue, classifier) in self.cues.items()
-            }
-        )
+        return held_out, foreign
 
     @property
     def requires(self) -> tuple[Part, ...]:
         """The parts of an observation that the cues need."""
-        needed = {part for cue, _ in self.cues.values() for part in cue.requires}
+        needed = {part for model in self.cues.values() for part in model.cue.requires}
         return tuple(part for part in PARTS if part in needed)
 
     @property
     def classes(self) -> tuple[str, ...]:
         """The classes that the pipeline tells apart, sorted; empty before it is fitted."""
-        _, classifier = next(iter(self.cues.values()))
-        layout = getattr(classifier, "layout_", None)
+        model = next(iter(self.cues.values()))
+        layout = getattr(model.classifier, "layout_", None)
         return () if layout is None else layout.classes
 
 

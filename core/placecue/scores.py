@@ -134,32 +134,21 @@ class Probabilities(_ColumnPerClass):
 
 @dataclass(frozen=True)
 class ModifiedOneAgainstAll(_ColumnPerClass):
-    """Columns as one-against-all; the class whose training mean the score lies nearest wins.
+    """Columns are D_j - mean_j, one-against-all outputs centred; the one nearest to 0 wins.
 
-    ``class_means`` holds the mean of D_j over the training samples of class j. The winner is
-    argmin_j |D_j - mean_j|; the confidence is the distance of the runner-up less the winner's.
+    The mean of D_j is over the training samples of class j, and is taken off by whoever gives the
+    scores, so that scores of machines with means of their own can stand side by side. The
+    confidence is the distance of the runner-up from 0 less the winner's.
 
     References
     ----------
     Pronobis and Caputo, Confidence-based cue integration for visual place recognition, IROS 2007.
     """
 
-    class_means: tuple[float, ...] = ()
     name: ClassVar[str] = "modified_one_against_all"
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if len(self.class_means) != len(self.classes):
-            raise UsageError(
-                f"modified one-against-all needs one mean a class: {len(self.classes)} classes, "
-                f"{len(self.class_means)} means"
-            )
-
     def preference(self, values: Values) -> Values:  # noqa: D102
-        return np.asarray(-np.abs(values - np.asarray(self.class_means)))
-
-    def to_json(self) -> dict[str, Any]:  # noqa: D102
-        return {**super().to_json(), "class_means": list(self.class_means)}
+        return np.asarray(-np.abs(values))
 
 
 @dataclass(frozen=True)
@@ -311,6 +300,10 @@ class Scores:
     def decide(self) -> Decision:
         """Apply the layout's own rule; see :meth:`Layout.decide`."""
         return self.layout.decide(self.values)
+
+    def available(self) -> NDArray[np.bool_]:
+        """Return which samples have scores, shape (n,); a missing one is a row of NaN."""
+        return ~np.isnan(self.values).any(axis=1)
 
     def __len__(self) -> int:
         return len(self.values)

@@ -2,65 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import clone
 
-from placecue.cue import Alteration, Cue
+from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.extraction import Extraction
-from placecue.features import FeatureBatch, Features, join, stack, take
-from placecue.folds import Rows
+from placecue.extraction import BATCH, Extraction, batched
+from placecue.features import FeatureBatch, join, take
+from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
 from placecue.skipped import Skipped
-
-
-@dataclass(frozen=True)
-class CueSamples:
-    """The features of n samples by one cue.
-
-    Parameters
-    ----------
-    features : batch of n samples
-        Of the observations as recorded.
-    altered : tuple of batches of n samples
-        Of their copies for training, a batch an alteration.
-    """
-
-    features: FeatureBatch
-    altered: tuple[FeatureBatch, ...] = ()
-
-    def training(
-        self, labels: NDArray[np.str_], stamps: NDArray[np.int64] | None, rows: Rows | None = None
-    ) -> tuple[FeatureBatch, NDArray[np.str_], NDArray[np.int64] | None]:
-        """Return features, labels and stamps to train on.
-
-        Parameters
-        ----------
-        labels : ndarray of str, shape (n,)
-        stamps : ndarray of int64, shape (n,), or None
-        rows : ndarray of int64, optional
-            Which samples to train on; all by default. Each is followed by its altered copies, so
-            that folds do not part them.
-        """
-        rows = np.arange(len(labels)) if rows is None else rows
-        views = (self.features, *self.altered)
-        if len(views) == 1:
-            batch = take(self.features, rows)
-        else:
-            order = np.arange(len(rows) * len(views)).reshape(len(views), -1).T.ravel()
-            batch = take(join([take(view, rows) for view in views]), order)
-            rows = np.repeat(rows, len(views))
-        return batch, labels[rows], None if stamps is None else stamps[rows]
-
-
-#: Features of all samples by a copy of a cue that has learned from the given ones only.
-LearnedFrom: TypeAlias = Callable[[Rows], CueSamples]
+from placecue.training_set import TrainingSet
 
 
 @dataclass(frozen=True)
@@ -73,8 +32,10 @@ class Samples:
         The class of each sample.
     stamps : ndarray of int64, shape (n,)
         The time of each sample, ns.
-    extracted : mapping of str to CueSamples
-        For each cue that learns nothing, its features.
+    groups : ndarray of int64, shape (n,), or None
+        The log of each sample, as a number, where that is known.
+    extracted : mapping of str to (recorded, augmented) features
+        For each cue that learns nothing.
     observations : iterable of Observation
         Where the samples came from; read again for cues that learn.
     positions : ndarray of int64, shape (n,)
@@ -83,45 +44,84 @@ class Samples:
         Where the samples come from, if that is known.
     extraction : Extraction
         How features come from observations.
+    folds : FoldScheme
+        How the samples are cut by whoever has no scheme of its own.
     """
 
     labels: NDArray[np.str_]
     stamps: NDArray[np.int64]
-    extracted: Mapping[str, CueSamples]
+    groups: NDArray[np.int64] | None
+    extracted: Mapping[str, tuple[FeatureBatch, ...]]
     observations: Iterable[Observation]
     positions: NDArray[np.int64]
-    origins: list[Origin | None]
+    origins: Sequence[Origin | None]
     extraction: Extraction
+    folds: FoldScheme = field(default_factory=InterleavedChunks)
+    _known: dict[str, tuple[Cue, TrainingSet]] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:
         return len(self.labels)
+
+    def take(self, rows: Rows) -> Samples:
+        """Return some of the samples."""
+        return replace(
+            self,
+            labels=self.labels[rows],
+            stamps=self.stamps[rows],
+            groups=None if self.groups is None else self.groups[rows],
+            extracted={
+                name: tuple(take(view, rows) for view in views)
+                for name, views in self.extracted.items()
+            },
+            positions=self.positions[rows],
+            origins=[self.origins[row] for row in rows],
+            _known={},
+        )
+
+    def training_set(self, name: str, cue: Cue) -> TrainingSet:
+        """Return what the classifier of a cue is trained on.
+
+        A cue that learns is fitted first, once: later calls with it return the same set.
+        """
+        known = self._known.get(name)
+        if known is None or known[0] is not cue:
+            if cue.learns:
+                self._learn(cue, np.arange(len(self)))
+            training = self._seen_by(cue) if cue.learns else self._set(*self.extracted[name])
+            known = self._known[name] = cue, training
+        return known[1]
+
+    def features(self, name: str, cue: Cue) -> FeatureBatch:
+        """Return the features of all samples as recorded, by a cue that has learned elsewhere."""
+        if not cue.learns:
+            return self.extracted[name][0]
+        return self.extraction.transform(cue, self.reread())
 
     def reread(self, rows: Rows | None = None) -> Reread:
         """Return the observations of the given samples (all by default), to be read again."""
         return Reread(self.observations, self.positions if rows is None else self.positions[rows])
 
-    def fit(self, cue: Cue, rows: Rows | None = None) -> None:
-        """Fit a cue that learns on the given samples, all by default."""
-        # They are read again in their order, and once.
-        rows = np.arange(len(self)) if rows is None else np.unique(rows)
+    def _relearned(self, cue: Cue, rows: Rows) -> TrainingSet:
+        """Return all samples as a copy of a cue sees them that has learned from some."""
+        copy: Cue = clone(cue)
+        self._learn(copy, rows)
+        return self._seen_by(copy)
+
+    def _learn(self, cue: Cue, rows: Rows) -> None:
+        rows = np.unique(rows)  # they are read again in their order, and once
         origins = [self.origins[row] for row in rows]
         self.extraction.fit(cue, self.reread(rows), self.labels[rows], origins)
 
-    def of_cue(self, name: str, cue: Cue) -> CueSamples:
-        """Return all samples' features by a fitted cue."""
-        if name in self.extracted:
-            return self.extracted[name]
+    def _seen_by(self, cue: Cue) -> TrainingSet:
         transform, reread = self.extraction.transform, self.reread()
-        return CueSamples(
-            transform(cue, reread),
-            tuple(transform(cue, map(alter, reread)) for alter in cue.alterations()),
-        )
+        copies = (transform(cue, map(augment, reread)) for augment in cue.augmentations())
+        seen = self._set(transform(cue, reread), *copies)
+        return replace(seen, relearn=partial(self._relearned, cue))
 
-    def learned_from(self, name: str, cue: Cue, rows: Rows) -> CueSamples:
-        """Return all samples' features by a copy of a cue that has learned from some of them."""
-        copy: Cue = clone(cue)
-        self.fit(copy, rows)
-        return self.of_cue(name, copy)
+    def _set(self, recorded: FeatureBatch, *augmented: FeatureBatch) -> TrainingSet:
+        return TrainingSet(
+            recorded, self.labels, self.stamps, self.groups, augmented, folds=self.folds
+        )
 
 
 @dataclass(frozen=True)
@@ -136,37 +136,48 @@ class Reread:
         return (each for number, each in enumerate(self.observations) if number in wanted)
 
 
-class _Extracted:
-    """Gathers the features of one cue."""
+class _Gathered:
+    """The features of one cue and of its augmentations, batch after batch."""
 
-    def __init__(self, cue: Cue, extraction: Extraction) -> None:
-        self.cue, self.extraction = cue, extraction
-        self.views: list[Alteration | None] = [None, *cue.alterations()]
-        self.kept: list[list[Features]] = [[] for _ in self.views]
+    def __init__(self, cue: Cue, extraction: Extraction, skip: bool) -> None:
+        self.cue, self.extraction, self.skip = cue, extraction, skip
+        self.views: list[Augmentation | None] = [None, *cue.augmentations()]
+        self.kept: list[list[FeatureBatch]] = [[] for _ in self.views]
 
-    def features(self, observation: Observation) -> list[Features]:
-        """Return the features of an observation and of its altered copies."""
-        seen = (observation if alter is None else alter(observation) for alter in self.views)
-        return [self.extraction.features(self.cue, each) for each in seen]
+    def extract(
+        self, observations: Sequence[Observation]
+    ) -> tuple[list[tuple[Rows, FeatureBatch | None]], dict[int, UnusableObservation]]:
+        """Return (rows, features) of each view, and why observations are unusable, by row."""
+        found, failed = [], {}
+        for augment in self.views:
+            seen = observations if augment is None else [*map(augment, observations)]
+            extracted = self.extraction.extract(self.cue, seen, skip=self.skip)
+            found.append((extracted.rows, extracted.features))
+            failed |= extracted.failed
+        return found, failed
 
-    def keep(self, features: list[Features]) -> None:
-        for kept, each in zip(self.kept, features, strict=True):
-            kept.append(each)
+    def keep(self, found: Sequence[tuple[Rows, FeatureBatch | None]], rows: Rows) -> None:
+        """Keep the features of the given rows, which every view has."""
+        for kept, (there, batch) in zip(self.kept, found, strict=True):
+            if batch is not None and rows.size:
+                kept.append(batch if len(rows) == len(there) else take(batch, _in(there, rows)))
 
-    def samples(self) -> CueSamples:
-        recorded, *altered = map(stack, self.kept)
-        return CueSamples(recorded, tuple(altered))
+    def joined(self) -> tuple[FeatureBatch, ...]:
+        return tuple(map(join, self.kept))
 
 
 def collect(
     observations: Iterable[Observation],
     cues: Mapping[str, Cue],
     extraction: Extraction | None = None,
+    folds: FoldScheme | None = None,
+    *,
+    skip: bool = False,
 ) -> Samples:
     """Read labelled observations once and extract every cue that learns nothing.
 
-    Unlabelled observations are left out; unusable ones are passed over and reported once. No
-    image is kept.
+    Unlabelled observations are left out; unusable ones are passed over and reported once. No more
+    than a batch of images is kept.
 
     Parameters
     ----------
@@ -176,10 +187,10 @@ def collect(
         The cues to extract.
     extraction : Extraction, optional
         How features come from observations; by default straight from the cues.
-
-    Returns
-    -------
-    Samples
+    folds : FoldScheme, optional
+        How the samples will be cut.
+    skip : bool
+        Whether an observation at which a cue fails counts as unusable.
 
     Raises
     ------
@@ -196,42 +207,97 @@ def collect(
         )
     extraction = Extraction() if extraction is None else extraction
     required: tuple[Part, ...] = tuple({part for cue in cues.values() for part in cue.requires})
-    gathered = {n: _Extracted(cue, extraction) for n, cue in cues.items() if not cue.learns}
-    kept: list[tuple[str, int, int, Origin | None]] = []
-    skipped, labelled, total = Skipped(), 0, 0
-    for number, observation in enumerate(track(observations, "extracting cues")):
-        total += 1
-        if observation.label is None:
-            continue
-        labelled += 1
-        try:
-            observation.require(required)
-            features = {name: each.features(observation) for name, each in gathered.items()}
-            if learning and "image" in required:
-                _ = observation.image
-        except UnusableObservation as error:
-            skipped.add(error)
-            continue
-        for name, of_cue in features.items():
-            gathered[name].keep(of_cue)
-        kept.append((observation.label, observation.stamp, number, observation.origin))
-    _check(labelled, total, skipped)
+    gathered = [_Gathered(cue, extraction, skip) for cue in cues.values() if not cue.learns]
+    reading, kept, skipped = _Labelled(observations), list[tuple[Any, ...]](), Skipped()
+    for some in batched(reading, BATCH):
+        usable = _usable([each for _, each in some], required, bool(learning), skipped)
+        seen = [some[row] for row in usable]
+        rows = _extract(gathered, [each for _, each in seen], skipped)
+        kept += [(o.label, o.stamp, number, o.origin) for number, o in (seen[row] for row in rows)]
+    _check(reading, skipped)
     labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
+    names = (n for n, cue in cues.items() if not cue.learns)
     return Samples(
         labels=np.asarray(labels, dtype=np.str_),
         stamps=np.asarray(stamps, dtype=np.int64),
-        extracted={name: each.samples() for name, each in gathered.items()},
+        groups=_groups(origins),
+        extracted={n: each.joined() for n, each in zip(names, gathered, strict=True)},
         observations=observations,
         positions=np.asarray(positions, dtype=np.int64),
         origins=origins,
         extraction=extraction,
+        folds=InterleavedChunks() if folds is None else folds,
     )
 
 
-def _check(labelled: int, total: int, skipped: Skipped) -> None:
-    if not labelled:
+class _Labelled:
+    """The labelled observations of a log with their numbers; counts all."""
+
+    def __init__(self, observations: Iterable[Observation]) -> None:
+        self.observations = observations
+        self.total = self.labelled = 0
+
+    def __iter__(self) -> Iterator[tuple[int, Observation]]:
+        for number, observation in enumerate(track(self.observations, "extracting cues")):
+            self.total += 1
+            if observation.label is not None:
+                self.labelled += 1
+                yield number, observation
+
+
+def _usable(
+    observations: Sequence[Observation],
+    required: tuple[Part, ...],
+    learning: bool,
+    skipped: Skipped,
+) -> list[int]:
+    """Return the observations that have every part that a cue needs."""
+    rows = []
+    for row, observation in enumerate(observations):
+        try:
+            observation.require(required)
+            if learning and "image" in required:
+                _ = observation.image
+            rows.append(row)
+        except UnusableObservation as error:
+            skipped.add(error)
+    return rows
+
+
+def _extract(
+    gathered: Sequence[_Gathered], observations: Sequence[Observation], skipped: Skipped
+) -> Rows:
+    """Extract every cue from a batch; keep and return the rows that all of them have."""
+    found, failed = [], {}
+    for of_cue in gathered:
+        views, unusable = of_cue.extract(observations)
+        found.append(views)
+        failed |= {row: error for row, error in unusable.items() if row not in failed}
+    rows = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
+    for row in sorted(failed):
+        skipped.add(failed[row])
+    for of_cue, views in zip(gathered, found, strict=True):
+        of_cue.keep(views, rows)
+    return rows
+
+
+def _in(there: Rows, rows: Rows) -> Rows:
+    """Return where the given rows stand among those that are there."""
+    return np.searchsorted(there, rows).astype(np.int64)
+
+
+def _groups(origins: Sequence[Origin | None]) -> NDArray[np.int64] | None:
+    """Return the log of each sample as a number; None where that is not known of all."""
+    logs = [origin.log for origin in origins if origin is not None]
+    if len(logs) < len(origins):
+        return None
+    return np.unique(logs, return_inverse=True)[1].astype(np.int64)
+
+
+def _check(reading: _Labelled, skipped: Skipped) -> None:
+    if not reading.labelled:
         raise DataError(
-            f"none of the {total} observations has a label: training needs a label channel, an "
-            "interval CSV (labels=FILE) or a source that labels"
+            f"none of the {reading.total} observations has a label: training needs a label "
+            "channel, an interval CSV (labels=FILE) or a source that labels"
         )
-    skipped.report(labelled)
+    skipped.report(reading.labelled)

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 
-from placecue.classifier import Classifier, FoldFeatures
+from placecue.classifier import Classifier
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, take
-from placecue.folds import Rows, fold_scheme
-from placecue.learning.samples import CueSamples, LearnedFrom
-from placecue.learning.training import train
+from placecue.folds import FoldScheme, Rows
 from placecue.progress import track
 from placecue.scores import Scores
+from placecue.training_set import TrainingSet
 
 from .grid import Setting, check_listed, settings
 from .search import SCORE, balanced_accuracy, best_of
@@ -35,8 +34,8 @@ class GridSearch(Classifier):
     search : mapping of str to sequence
         Values to try by the name of the parameter, such as ``{"rounds": [30, 100, 300]}``; one of
         a component inside the classifier as ``kernel__gamma``.
-    folds : mapping, optional
-        How the training samples are cut, such as ``{"scheme": "interleaved", "n_folds": 5}``.
+    folds : FoldScheme, optional
+        How the training samples are cut; by default as the training set says.
 
     Attributes
     ----------
@@ -55,7 +54,7 @@ class GridSearch(Classifier):
         self,
         classifier: Classifier | None = None,
         search: Mapping[str, Sequence[Any]] | None = None,
-        folds: Mapping[str, Any] | None = None,
+        folds: FoldScheme | None = None,
     ) -> None:
         self.classifier = classifier
         self.search = search
@@ -73,40 +72,23 @@ class GridSearch(Classifier):
         DataError
             If the classifier refuses the samples, or they cannot be cut into folds.
         """
-        return self.fit_on_learned(features, labels, stamps)
+        return self.train(TrainingSet(features, labels, stamps))
 
-    def fit_on_learned(
-        self,
-        features: FeatureBatch,
-        labels: ArrayLike,
-        stamps: ArrayLike | None = None,
-        learned_from: FoldFeatures | None = None,
-    ) -> Self:
-        """Search, then train, on features of a cue that has learned from them.
-
-        In every fold the cue learns from its training rows only; see
-        :meth:`placecue.classifier.Classifier.fit_on_learned`.
-        """
+    def train(self, training: TrainingSet) -> Self:
+        """Search, then train; in every fold the cue has learned from its training rows only."""
         points = self._points()
-        scheme = fold_scheme(self.folds)
-        features = self.training_samples(features, labels)
-        codes = self.learn_classes(labels)
-        given, times = self.labels_[codes], None if stamps is None else np.asarray(stamps)
-        splits = list(scheme.split(np.asarray(self.class_names)[codes], times))
-        samples, relearned = CueSamples(features), None
-        if learned_from is not None:
-            relearned = _samples(self.fold_features(learned_from, labels))
-        found = self._predicted(points, samples, given, times, splits, relearned)
+        training = self.checked(training)
+        splits = training.split(self.folds)
+        found = self._predicted(points, training, splits)
         predicted = list(track(found, "searching parameters", len(splits) * len(points)))
-        truth = np.concatenate([given[held_out] for _, held_out in splits])
+        truth = np.concatenate([training.labels[held_out] for _, held_out in splits])
         self.search_: dict[str, list[Any]] = {name: [] for name in (*points[0], SCORE)}
         for number, point in enumerate(points):
             of_point = np.concatenate(predicted[number :: len(points)])
             for name, value in {**point, SCORE: balanced_accuracy(truth, of_point)}.items():
                 self.search_[name].append(value)
         self.chosen_ = best_of(self.search_)
-        best = self._with(self.chosen_)
-        self.classifier_ = train(best, samples, given, times, learned_from=relearned)
+        self.classifier_ = self._with(self.chosen_).train(training)
         self.layout_ = self.classifier_.layout_
         return self
 
@@ -115,19 +97,15 @@ class GridSearch(Classifier):
         features = self.samples(features)
         return self.classifier_.scores(features)
 
-    def chosen(self) -> Any:
+    def best(self) -> Any:
         """Return the classifier itself, unfitted, with the parameters that were best."""
-        return self.classifier_.chosen() if hasattr(self, "classifier_") else self._with({})
+        return self.classifier_.best() if hasattr(self, "classifier_") else self._with({})
 
     def out_of_fold(
-        self,
-        features: FeatureBatch,
-        labels: NDArray[np.str_],
-        stamps: NDArray[np.int64] | None,
-        splits: Iterable[tuple[Rows, Rows]],
-    ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
+        self, training: TrainingSet, splits: Iterable[tuple[Rows, Rows]]
+    ) -> Iterator[tuple[Rows, Scores]]:
         """Yield held-out rows with the scores of copies of the trained classifier."""
-        return self.classifier_.out_of_fold(features, labels, stamps, splits)
+        return self.classifier_.out_of_fold(training, splits)
 
     def _points(self) -> list[Setting]:
         if self.classifier is None or not self.search:
@@ -149,18 +127,15 @@ class GridSearch(Classifier):
     def _predicted(
         self,
         points: Sequence[Setting],
-        samples: CueSamples,
-        labels: NDArray[Any],
-        stamps: NDArray[np.int64] | None,
+        training: TrainingSet,
         splits: Sequence[tuple[Rows, Rows]],
-        learned_from: LearnedFrom | None,
     ) -> Iterator[NDArray[Any]]:
         """Yield the classes of the held-out rows for every point, fold after fold."""
-        for training, held_out in splits:
-            of_fold = samples if learned_from is None else learned_from(training)
+        for rows, held_out in splits:
+            of_fold = training.relearned(rows)
+            asked, trained_on = take(of_fold.features, held_out), of_fold.take(rows)
             for point in points:
-                copy = train(self._with(point), of_fold, labels, stamps, training, learned_from)
-                yield copy.predict(take(of_fold.features, held_out))
+                yield self._with(point).train(trained_on).predict(asked)
 
     def __sklearn_tags__(self) -> Any:
         """Return what scikit-learn is told of the estimator: what the classifier says of itself."""
@@ -168,7 +143,3 @@ class GridSearch(Classifier):
         if self.classifier is not None:
             tags.input_tags.sparse = self.classifier.__sklearn_tags__().input_tags.sparse
         return tags
-
-
-def _samples(learned_from: FoldFeatures) -> LearnedFrom:
-    return lambda rows: CueSamples(learned_from(rows))

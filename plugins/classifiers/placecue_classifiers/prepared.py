@@ -14,8 +14,10 @@ from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of, take
 from placecue.folds import Rows
+from placecue.grams import current
+from placecue.guard import call
 from placecue.kernel import Gram, Kernel
-from placecue.scaling import Scaling, scaling
+from placecue.scaling import Scaling
 from placecue_classifiers.grid import Setting
 
 
@@ -49,17 +51,17 @@ class Prepared:
         cls,
         features: FeatureBatch,
         kernel: Kernel,
-        how: str | None,
+        scaling: Scaling | None = None,
         rows: Rows | None = None,
         light: bool = False,
     ) -> Prepared:
-        """Fit a copy of the kernel and the scaling named ``how``.
+        """Fit copies of kernel and scaling.
 
         Parameters
         ----------
         features : batch of n samples
         kernel : Kernel
-        how : str or None
+        scaling : Scaling, optional
         rows : ndarray of int64, optional
             The samples to fit on; all by default.
         light : bool
@@ -70,23 +72,18 @@ class Prepared:
         UsageError
             If scaling or kernel cannot take this kind of features.
         """
-        fitted = fitted_scaling(_of_rows(features, rows), how)
+        fitted = fitted_scaling(_of_rows(features, rows), scaling)
         if fitted is not None:
-            features = fitted.transform(np.asarray(features))
+            features = call(fitted, "transform", np.asarray(features))
         kernel = clone(kernel)
         try:
             kernel.check(features)
         except UsageError as error:
             raise WrongKind(str(error)) from error
-        kernel.fit(_of_rows(features, rows))
+        call(kernel, "fit", _of_rows(features, rows))
         if light:
-            return cls(kernel, fitted, features, kernel.shared(features), None)
-        return cls(kernel, fitted, features, None, kernel.gram(features))
-
-    @property
-    def learned(self) -> bool:
-        """Whether the Gram matrix depends on which samples it was prepared with."""
-        return self.scaling is not None or _has_learned(self.kernel)
+            return cls(kernel, fitted, features, current().shared(kernel, features), None)
+        return cls(kernel, fitted, features, None, current().gram(kernel, features))
 
     def gram(self, light: Setting | None = None) -> Gram:
         """Return the Gram matrix, shape (n, n), with other light parameters of the kernel if any.
@@ -97,7 +94,7 @@ class Prepared:
             If a value is not finite.
         """
         kernel = self.with_light(light)
-        gram = kernel.from_shared(self.shared) if self.only is None else self.only
+        gram = call(kernel, "from_shared", self.shared) if self.only is None else self.only
         return _finite(gram, kernel)
 
     def with_light(self, light: Setting | None = None) -> Kernel:
@@ -109,41 +106,47 @@ class Prepared:
         return changed
 
 
-@dataclass
-class Preparations:
-    """Prepares the same samples for one kernel and scaling after another; remembers the last.
+def remembering(make: Callable[[Setting], Prepared]) -> Callable[[Setting], Prepared]:
+    """Return ``make`` such that it remembers what it returned last."""
+    last: list[tuple[Setting, Prepared]] = []
 
-    Parameters
-    ----------
-    make : callable
-        Prepares the samples for the parameters of a grid.
-    """
+    def prepared(setting: Setting) -> Prepared:
+        if not last or last[0][0] != setting:
+            last.clear()  # distances may be large: let go of them before others are computed
+            last.append((setting, make(setting)))
+        return last[0][1]
 
-    make: Callable[[Setting], Prepared]
-    last: tuple[Setting, Prepared] | None = None
-
-    def __call__(self, setting: Setting) -> Prepared:
-        """Return the samples prepared for the given parameters of kernel and scaling."""
-        if self.last is None or self.last[0] != setting:
-            # The distances of the last one may be large: let go of them first.
-            self.last = None
-            self.last = setting, self.make(setting)
-        return self.last[1]
+    return prepared
 
 
-def fitted_scaling(features: FeatureBatch, how: str | None) -> Scaling | None:
-    """Return the scaling named ``how`` fitted on dense features, shape (n, d); None for none.
+def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling | None:
+    """Return a copy of a scaling fitted on dense features, shape (n, d); None for none.
 
     Raises
     ------
     UsageError
-        If there is none of that name, or the features are not dense.
+        If the features are not dense.
     """
-    if how is None:
+    if scaling is None:
         return None
     if kind_of(features) is not FeatureKind.DENSE:
-        raise WrongKind(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
-    return scaling(how).fit(np.asarray(features))
+        raise WrongKind(
+            f"scaling {type(scaling).__name__} takes dense vectors, got {kind_of(features)}: "
+            "choose scaling=null for this cue"
+        )
+    copy: Scaling = clone(scaling)
+    call(copy, "fit", np.asarray(features))
+    return copy
+
+
+def learns(kernel: Kernel, features: FeatureBatch) -> bool:
+    """Tell whether a kernel learns anything from samples such as these."""
+    if type(kernel).fit is Kernel.fit:
+        return False
+    kernel.check(features)
+    copy = clone(kernel)
+    call(copy, "fit", features)
+    return _has_learned(copy)
 
 
 def _of_rows(features: FeatureBatch, rows: Rows | None) -> FeatureBatch:

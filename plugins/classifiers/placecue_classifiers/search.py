@@ -2,66 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from sklearn.metrics import recall_score
 
+from placecue.folds import Rows
 from placecue.kernel import Gram
 from placecue.progress import track
-from placecue.scores import Layout
-from placecue_classifiers.fold_groups import FoldGroup, Split, grams
 from placecue_classifiers.grid import Grid, Setting
 from placecue_classifiers.machines import Machines
+from placecue_classifiers.multiclass import Multiclass
+from placecue_classifiers.prepared import Prepared, remembering
 
 Codes = NDArray[np.int64]
+#: The training rows of a fold, and those held out.
+Split: TypeAlias = tuple[Rows, Rows]
 #: One list a name: the parameters of each point of the grid, and its balanced accuracy.
 Table = dict[str, list[Any]]
 SCORE = "balanced_accuracy"
 
 
-class Trainer(Protocol):
-    """What the search needs of a support vector machine with given parameters."""
+@dataclass(frozen=True)
+class Folds:
+    """Folds that share features, scaling and kernel, and with them Gram matrices.
 
-    def machines(self, gram: Gram, codes: Codes, names: Sequence[str]) -> Machines:
-        """Train on a Gram matrix."""
+    All folds do where nothing of that learns from the samples; elsewhere each is alone.
 
-    def machine_layout(
-        self, names: Sequence[str], machines: Machines, gram: Gram, codes: Codes
-    ) -> Layout:
-        """Return the layout of the machines' outputs."""
+    Parameters
+    ----------
+    prepare : callable
+        Returns what prepares all n samples for the parameters of a grid.
+    splits : sequence of (training rows, held-out rows)
+        The folds.
+    """
 
-    def same_machines(self) -> tuple[Any, ...]:
-        """Return what the machines depend on; trainers that agree in it share them."""
+    prepare: Callable[[], Callable[[Setting], Prepared]]
+    splits: Sequence[Split]
+
+    def rounds(
+        self, rounds: Sequence[tuple[Setting, Setting]]
+    ) -> Iterator[tuple[Gram, Sequence[Split]]]:
+        """Yield the Gram matrix of each round (preparation, light parameters) with the folds."""
+        prepare = remembering(self.prepare())
+        for preparation, light in rounds:
+            yield prepare(preparation).gram(light), self.splits
 
 
 def search(
     grid: Grid,
-    groups: Sequence[FoldGroup],
-    trainer: Callable[[Setting], Trainer],
+    folds: Sequence[Folds],
+    extensions: Sequence[Multiclass],
     codes: Codes,
-    names: Sequence[str],
 ) -> Table:
     """Score every point of the grid.
 
-    The folds of a group are shared out by joblib among threads (LIBSVM lets go of the
-    interpreter): within ``joblib.parallel_config(n_jobs=...)``, as many at a time.
+    Folds that share a matrix are shared out by joblib: within ``joblib.parallel_config``, among
+    as many workers as that says (LIBSVM lets go of the interpreter, so threads do).
 
     Parameters
     ----------
     grid : Grid
         What to try.
-    groups : sequence of FoldGroup
+    folds : sequence of Folds
         The folds of the n samples.
-    trainer : callable
-        Gives the machine of a multi-class extension, class weight and C.
+    extensions : sequence of Multiclass
+        The machines for the points that share a Gram matrix, in the order of ``grid.machines()``.
     codes : ndarray of int64, shape (n,)
         Class of each sample, 0 to M - 1.
-    names : sequence of str
-        The M classes.
 
     Returns
     -------
@@ -69,15 +81,14 @@ def search(
         The searched parameters and ``balanced_accuracy``, one entry a point: the mean of the
         per-class recalls over all held-out samples, pooled over the folds.
     """
-    trainers = [trainer(setting) for setting in grid.machines()]
     rounds = [(each, light) for each in grid.preparations() for light in grid.lights()]
     predicted: list[list[Codes]] = [[] for _ in rounds]
-    steps = track(grams(groups, rounds), "searching parameters", len(groups) * len(rounds))
-    for number, gram, splits in steps:
-        predicted[number] += Parallel(require="sharedmem")(
-            delayed(_predicted)(gram, codes, names, split, trainers) for split in splits
+    steps = (step for alike in folds for step in enumerate(alike.rounds(rounds)))
+    for number, (gram, splits) in track(steps, "searching parameters", len(folds) * len(rounds)):
+        predicted[number] += Parallel(prefer="threads")(
+            delayed(_predicted)(gram, codes, split, extensions) for split in splits
         )
-    truth = np.concatenate([codes[held_out] for each in groups for _, held_out in each.splits])
+    truth = np.concatenate([codes[held_out] for alike in folds for _, held_out in alike.splits])
     table: Table = {name: [] for name in (*grid.values, SCORE)}
     for (preparation, light), of_round in zip(rounds, predicted, strict=True):
         for column, of_machines in zip(np.concatenate(of_round).T, grid.machines(), strict=True):
@@ -99,23 +110,16 @@ def best_of(table: Table) -> Setting:
     return {name: values[best] for name, values in table.items() if name != SCORE}
 
 
-def _predicted(
-    gram: Gram,
-    codes: Codes,
-    names: Sequence[str],
-    split: Split,
-    trainers: Sequence[Trainer],
-) -> Codes:
-    """Return the classes that each trainer's machines give the held-out rows, shape (m, T)."""
+def _predicted(gram: Gram, codes: Codes, split: Split, extensions: Sequence[Multiclass]) -> Codes:
+    """Return the classes that the machines of each extension give the held-out rows, (m, T)."""
     training, held_out = split
     block, of_block = gram[np.ix_(training, training)], codes[training]
     asked = gram[np.ix_(held_out, training)]
     trained: dict[tuple[Any, ...], Machines] = {}
     predicted = []
-    for trainer in trainers:
-        key = trainer.same_machines()
-        if key not in trained:
-            trained[key] = trainer.machines(block, of_block, names)
-        layout = trainer.machine_layout(names, trained[key], block, of_block)
-        predicted.append(layout.rank(trained[key].decide(asked))[:, 0])
+    for extension in extensions:
+        if extension.same not in trained:
+            trained[extension.same] = extension.trained(block, of_block)
+        machines = extension.centred(trained[extension.same], block, of_block)
+        predicted.append(extension.layout.rank(machines.decide(asked))[:, 0])
     return np.stack(predicted, axis=1)

@@ -3,35 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 
-from placecue.classifier import Classifier, FoldFeatures
+from placecue.classifier import Classifier
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, FeatureKind, take
-from placecue.folds import Rows, fold_scheme
+from placecue.folds import FoldScheme, Rows
+from placecue.grams import Known, current
+from placecue.guard import call
 from placecue.kernel import Gram, Kernel
 from placecue.progress import track
-from placecue.scores import (
-    Layout,
-    ModifiedOneAgainstAll,
-    OneAgainstAll,
-    OneAgainstOne,
-    Probabilities,
-    Scores,
-)
+from placecue.scaling import Scaling
+from placecue.scores import Layout, Probabilities, Scores
+from placecue.training_set import TrainingSet
 from placecue_classifiers import calibration
-from placecue_classifiers.fold_groups import FoldGroup, folds
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
-from placecue_classifiers.machines import Machines, one_against_all, one_against_one
-from placecue_classifiers.prepared import Preparations, Prepared
-from placecue_classifiers.search import best_of, search
+from placecue_classifiers.machines import Machines
+from placecue_classifiers.multiclass import LAYOUTS, Multiclass
+from placecue_classifiers.prepared import Prepared, learns, remembering
+from placecue_classifiers.search import Folds, best_of, search
 from placecue_classifiers.weights import ClassWeight, check_class_weight, of_classes
-
-MULTICLASS = ("oao", "oaa", "modified_oaa")
 
 
 class SVM(Classifier):
@@ -49,27 +45,26 @@ class SVM(Classifier):
         nearest).
     class_weight : {"balanced"}, mapping of class to weight, or None
         Weight classes by inverse frequency, as given (1 where it is not), or not.
-    scaling : {"range", "standard", "quantiles"} or None
+    scaling : Scaling, optional
         Scaling of dense features, learned on the training samples.
     search : mapping, optional
         Values to try by cross-validation on balanced accuracy, every combination of them:
         ``{"C": [...], "gamma": [...]}``, and likewise ``multiclass``, ``class_weight``,
         ``scaling`` and the kernel's parameters as ``kernel__NAME``. One Gram matrix serves every
         C, class weight, multi-class extension and fold; one matrix of distances every gamma, also
-        of kernels inside a sum or product. Of a cue that learns, each fold has features and
-        matrices of its own. What is left out stays as given.
-    folds : mapping, optional
-        How the training samples are cut for search and calibration, such as ``{"scheme":
-        "interleaved", "n_folds": 5, "seconds": 2.0}``; other schemes are ``blocks``,
-        ``shuffled`` and ``by_log``.
+        of kernels inside a sum or product. Where cue, scaling or kernel learn from samples, each
+        fold has its own, learned from its training rows. What is left out stays as given.
+    folds : FoldScheme, optional
+        How the training samples are cut for search and calibration; by default as the training
+        set says, which a pipeline gives its own scheme.
     probability : {"sigmoid", "isotonic"} or None
         Turn the outputs into probabilities, learned on held-out folds: Platt's sigmoid, or
         isotonic regression. The class then is the likeliest one.
     refit : bool
         After the search, train on all samples. If not, those that the one fold held out have
-        chosen the parameters and are left at that: with ``folds={"scheme": "by_log",
-        "only_last": True}`` the machines are trained on the logs before the last. Cue, scaling
-        and kernel have learned from all samples either way.
+        chosen the parameters and are left at that: with ``folds=ByLog(only_last=True)`` the
+        machines are trained on the logs before the last. Cue, scaling and kernel have learned
+        from all samples either way.
 
     Attributes
     ----------
@@ -83,8 +78,12 @@ class SVM(Classifier):
         The kernel in use.
     scaling_ : Scaling or None
         The scaling in use.
+    support_ : ndarray of int64, shape (k,)
+        Which rows of the training batch are support vectors of any machine.
     support_features_ : batch of k samples
-        The union of the support vectors.
+        These, scaled.
+    samples_ : str or None
+        What :meth:`placecue.Grams.known` called the training batch.
     coefficients_ : ndarray of float64, shape (k, V)
         Their signed dual coefficients.
     intercepts_ : ndarray of float64, shape (V,)
@@ -107,9 +106,9 @@ class SVM(Classifier):
         C: float = 100.0,
         multiclass: str = "oaa",
         class_weight: ClassWeight = "balanced",
-        scaling: str | None = None,
-        search: Mapping[str, Sequence[float | str | bool | Sequence[float] | None]] | None = None,
-        folds: Mapping[str, Any] | None = None,
+        scaling: Scaling | None = None,
+        search: Mapping[str, Sequence[Any]] | None = None,
+        folds: FoldScheme | None = None,
         probability: str | None = None,
         refit: bool = True,
     ) -> None:
@@ -136,106 +135,82 @@ class SVM(Classifier):
             If there is one class only, a feature is NaN or infinite, or, where folds are needed,
             a class has one sample only.
         """
-        return self.fit_on_learned(features, labels, stamps)
+        return self.train(TrainingSet(features, labels, stamps))
 
-    def fit_on_learned(
-        self,
-        features: FeatureBatch,
-        labels: ArrayLike,
-        stamps: ArrayLike | None = None,
-        learned_from: FoldFeatures | None = None,
-    ) -> Self:
-        """Train on features of a cue that has learned from them.
-
-        In every fold of search and calibration cue, scaling and kernel learn from its training
-        rows only; see :meth:`placecue.classifier.Classifier.fit_on_learned`.
-        """
+    def train(self, training: TrainingSet) -> Self:
+        """Search if that is asked for, then train; see :meth:`Classifier.train`."""
         self._check_parameters()
-        features = self.training_samples(features, labels)
-        codes = self.learn_classes(labels)
+        training = self.checked(training)
+        codes = self.codes(training.repeated(training.labels))
         grid = self._grid()
-        prepared_for = self._preparing(grid)
-        prepare = Preparations(lambda setting: prepared_for(setting, features, None))
-        svm, setting, rows = self, Setting(), np.arange(len(codes))
-        groups: list[FoldGroup] = []
-        if self.search or self.probability:
-            splits = self._splits(codes, stamps)
-            groups = [FoldGroup(lambda: prepare, splits)]
-            if learned_from is not None:
-                of_fold = self.fold_features(learned_from, labels)
-                groups = [FoldGroup.learned(of_fold, prepared_for, split) for split in splits]
+        prepare = remembering(self._preparing(grid, training.batch()))
+        folds = self._folds(grid, training, prepare) if self.search or self.probability else []
+        best, setting, rows = self, Setting(), np.arange(len(codes))
         if self.search:
-            rows = rows if self.refit else _one_training_part(splits)
-            self.search_ = search(grid, groups, self.with_setting, codes, self.class_names)
+            rows = rows if self.refit else _one_training_part(folds)
+            extensions = [self.with_setting(each)._extension(self) for each in grid.machines()]
+            self.search_ = search(grid, folds, extensions, codes)
             self.chosen_ = setting = best_of(self.search_)
-            svm = self.with_setting(setting)
+            best = self.with_setting(setting)
+        extension = best._extension(self)
         preparation, light = grid.parted(setting)
         prepared = prepare(preparation)
-        self.kernel_ = prepared.with_light(light)
-        self.C_, self.scaling_ = float(svm.C), prepared.scaling
         gram = prepared.gram(light)
-        block = gram if self.refit else gram[np.ix_(rows, rows)]
-        machines = svm.machines(block, codes[rows], self.class_names)
-        self.layout_ = svm.machine_layout(self.class_names, machines, block, codes[rows])
-        self.machine_layout_ = self.layout_
+        machines = extension.machines(gram[np.ix_(rows, rows)], codes[rows])
+        self.layout_ = self.machine_layout_ = extension.layout
         if self.probability is not None:
-            each = track(folds(groups, preparation, light), "calibrating", len(splits))
-            self.calibrators_ = svm.calibrated(each, codes, self.class_names)
+            found = (alike.rounds([(preparation, light)]) for alike in folds)
+            held_out = ((gram, *split) for each in found for gram, splits in each for split in splits)
+            self.calibrators_ = self._calibrators(extension, codes, held_out)
             self.layout_ = Probabilities(self.class_names)
-        support = np.flatnonzero(np.any(machines.coefficients != 0, axis=1))
-        self.support_features_ = take(prepared.features, rows[support])
-        self.coefficients_ = machines.coefficients[support]
-        self.intercepts_ = machines.intercepts
+        self.C_, self.scaling_ = float(best.C), prepared.scaling
+        self.kernel_ = prepared.with_light(light)
+        self._keep(machines, prepared.features, rows)
         return self
 
     def scores(self, features: FeatureBatch) -> Scores:
         """Return the V discriminant functions of n samples, shape (n, V), or probabilities."""
         features = self.samples(features)
         if self.scaling_ is not None:
-            features = self.scaling_.transform(np.asarray(features))
-        gram = self.kernel_.gram(features, self.support_features_)
+            features = call(self.scaling_, "transform", np.asarray(features))
+        known = Known(self.support_features_, self.support_, self.samples_)
+        gram = current().against(self.kernel_, features, known)
         values = Machines(self.coefficients_, self.intercepts_).decide(gram)
-        if self.probability is not None:
-            values = calibration.probabilities(
-                self.probability, self.calibrators_, self.machine_layout_, values
-            )
-        return Scores(values, self.layout_)
+        return Scores(self._as_asked(values, self.machine_layout_), self.layout_)
 
-    def chosen(self) -> Self:
+    def best(self) -> Self:
         """Return an unfitted copy with the parameters that the search found."""
         copy: Self = self.with_setting(getattr(self, "chosen_", {}))
         copy.set_params(search=None, refit=True)
         return copy
 
     def out_of_fold(
-        self,
-        features: FeatureBatch,
-        labels: NDArray[np.str_],
-        stamps: NDArray[np.int64] | None,
-        splits: Iterable[tuple[Rows, Rows]],
-    ) -> Iterator[tuple[Rows, NDArray[np.float64]]]:
+        self, training: TrainingSet, splits: Iterable[tuple[Rows, Rows]]
+    ) -> Iterator[tuple[Rows, Scores]]:
         """Yield what samples are scored by machines that have not seen them.
 
-        One Gram matrix serves every fold, unless scaling or kernel learn from training samples;
-        see :meth:`placecue.classifier.Classifier.out_of_fold`.
+        One Gram matrix serves every fold, unless cue, scaling or kernel learn from training
+        samples; see :meth:`placecue.classifier.Classifier.out_of_fold`.
         """
-        svm = self.chosen()
-        prepared = None if svm.scaling is not None else svm.prepared(self.samples(features))
-        if prepared is None or prepared.learned:
-            yield from super().out_of_fold(features, labels, stamps, splits)
+        svm = self.best()
+        training = svm.checked(training)
+        if svm._learns(training, [svm.scaling]):
+            yield from super().out_of_fold(training, splits)
             return
-        gram, codes = prepared.gram(), svm.learn_classes(labels)
-        for training, held_out in splits:
-            layout, values = svm._held_out(gram, codes, svm.class_names, training, held_out)
+        gram = svm._preparing(svm._grid(), training.batch())({}).gram()
+        codes, extension = svm.codes(training.repeated(training.labels)), svm._extension(svm)
+        for rows, held_out in splits:
+            flat = training.copies(rows), training.recorded(held_out)
+            values = extension.held_out(gram, codes, *flat)
+            layout = extension.layout
             if svm.probability is not None:
-                block, of_fold = gram[np.ix_(training, training)], codes[training]
-                inner = svm._splits(of_fold, None if stamps is None else stamps[training])
-                parts = ((block, *split) for split in inner)
-                calibrators = svm.calibrated(parts, of_fold, svm.class_names)
-                values = calibration.probabilities(svm.probability, calibrators, layout, values)
-            yield held_out, values
-
-    # ------------------------------------------------------------------ what the search needs
+                inner = training.take(rows).split(svm.folds)
+                parts = (
+                    (gram, training.copies(rows[a]), training.recorded(rows[b])) for a, b in inner
+                )
+                svm.calibrators_ = svm._calibrators(extension, codes, parts)
+                values, layout = svm._as_asked(values, layout), Probabilities(svm.class_names)
+            yield held_out, Scores(values, layout)
 
     def with_setting(self, setting: Setting) -> Self:
         """Return an unfitted copy with the given parameters of a grid."""
@@ -244,80 +219,79 @@ class SVM(Classifier):
         copy._check_parameters()
         return copy
 
-    def prepared(
-        self, features: FeatureBatch, rows: Rows | None = None, light: bool = False
-    ) -> Prepared:
-        """Return n samples scaled, with the kernel; see :meth:`Prepared.of`."""
-        assert self.kernel is not None
-        return Prepared.of(features, self.kernel, self.scaling, rows, light)
-
-    def machines(self, gram: Gram, codes: NDArray[np.int64], names: Sequence[str]) -> Machines:
-        """Train the binary machines on an (n, n) Gram matrix."""
-        train = one_against_one if self.multiclass == "oao" else one_against_all
-        if self.class_weight == "balanced":
-            return train(gram, codes, self.C, "balanced")
-        return train(gram, codes, self.C, of_classes(self.class_weight, names))
-
-    def same_machines(self) -> tuple[Any, ...]:
-        """Return what the machines depend on: both kinds of one-against-all share them."""
-        return self.multiclass == "oao", str(self.class_weight), self.C
-
-    def machine_layout(
-        self, names: Sequence[str], machines: Machines, gram: Gram, codes: NDArray[np.int64]
-    ) -> Layout:
-        """Return the layout that decides on the machines' outputs."""
-        classes = tuple(names)
-        if self.multiclass == "oao":
-            return OneAgainstOne(classes)
-        if self.multiclass == "oaa":
-            return OneAgainstAll(classes)
-        outputs = machines.decide(gram)
-        means = [float(outputs[codes == code, code].mean()) for code in range(len(classes))]
-        return ModifiedOneAgainstAll(classes, tuple(means))
-
-    def calibrated(
-        self,
-        folds: Iterable[tuple[Gram, Rows, Rows]],
-        codes: NDArray[np.int64],
-        names: Sequence[str],
-    ) -> list[NDArray[np.float64]]:
-        """Learn probabilities from the outputs for held-out rows.
-
-        A fold is an (n, n) Gram matrix with the training and the held-out rows.
-        """
-        outputs, truths = [], []
-        for gram, training, held_out in folds:
-            layout, values = self._held_out(gram, codes, names, training, held_out)
-            if isinstance(layout, ModifiedOneAgainstAll):
-                # Each fold has means of its own: what counts is the distance from them.
-                values = values - np.asarray(layout.class_means)
-                layout = ModifiedOneAgainstAll(layout.classes, (0.0,) * len(names))
-            outputs.append(values)
-            truths.append(codes[held_out])
-        values, truth = np.concatenate(outputs), np.concatenate(truths)
-        return calibration.calibrators(str(self.probability), layout, values, truth)
-
     # ------------------------------------------------------------------ privately
 
-    def _held_out(
-        self,
-        gram: Gram,
-        codes: NDArray[np.int64],
-        names: Sequence[str],
-        training: Rows,
-        held_out: Rows,
-    ) -> tuple[Layout, NDArray[np.float64]]:
-        """Return the outputs for held-out rows of machines trained on others, and their layout."""
-        block, of_block = gram[np.ix_(training, training)], codes[training]
-        machines = self.machines(block, of_block, names)
-        layout = self.machine_layout(names, machines, block, of_block)
-        return layout, machines.decide(gram[np.ix_(held_out, training)])
+    def _keep(self, machines: Machines, features: FeatureBatch, rows: Rows) -> None:
+        support = np.flatnonzero(np.any(machines.coefficients != 0, axis=1))
+        self.support_ = rows[support]
+        self.support_features_ = take(features, self.support_)
+        self.samples_ = current().known(features)
+        self.coefficients_ = machines.coefficients[support]
+        self.intercepts_ = machines.intercepts
 
-    def _preparing(self, grid: Grid) -> Callable[[Setting, FeatureBatch, Rows | None], Prepared]:
+    def _extension(self, fitted: SVM) -> Multiclass:
+        """Return this SVM's multi-class extension over the classes of a fitted one."""
+        names = fitted.class_names
+        weights = self.class_weight
+        by_name = weights if isinstance(weights, str) else of_classes(weights, names)
+        return Multiclass(self.multiclass, names, self.C, by_name)
+
+    def _preparing(self, grid: Grid, features: FeatureBatch) -> Callable[..., Prepared]:
+        """Return what prepares n samples for the parameters of a grid."""
         light = bool(grid.lights()[0])
-        return lambda setting, features, rows: self.with_setting(setting).prepared(
-            features, rows, light
-        )
+
+        def prepare(setting: Setting, rows: Rows | None = None) -> Prepared:
+            svm = self.with_setting(setting)
+            assert svm.kernel is not None
+            return Prepared.of(features, svm.kernel, svm.scaling, rows, light)
+
+        return prepare
+
+    def _folds(
+        self, grid: Grid, training: TrainingSet, prepare: Callable[[Setting], Prepared]
+    ) -> list[Folds]:
+        """Return the folds, together where they may share a Gram matrix."""
+        splits = training.split(self.folds)
+        flat = [(training.copies(rows), training.recorded(held)) for rows, held in splits]
+        if not self._learns(training, grid.values.get("scaling", [self.scaling])):
+            return [Folds(lambda: prepare, flat)]
+
+        def of_fold(rows: Rows, flat_rows: Rows) -> Callable[[Setting], Prepared]:
+            batch = training.relearned(rows).batch()
+            return remembering(partial(self._preparing(grid, batch), rows=flat_rows))
+
+        return [
+            Folds(partial(of_fold, rows, each[0]), [each])
+            for (rows, _), each in zip(splits, flat, strict=True)
+        ]
+
+    def _learns(self, training: TrainingSet, scalings: Iterable[Scaling | None]) -> bool:
+        """Tell whether cue, scaling or kernel depend on which samples they learn from."""
+        if training.relearn is not None or any(each is not None for each in scalings):
+            return True
+        assert self.kernel is not None
+        return learns(self.kernel, training.features)
+
+    def _calibrators(
+        self,
+        extension: Multiclass,
+        codes: NDArray[np.int64],
+        held_out: Iterable[tuple[Gram, Rows, Rows]],
+    ) -> list[NDArray[np.float64]]:
+        """Learn probabilities from the outputs for held-out rows (matrix, training, held out)."""
+        outputs, truths = [], []
+        for gram, rows, held in track(held_out, "calibrating"):
+            outputs.append(extension.held_out(gram, codes, rows, held))
+            truths.append(codes[held])
+        assert self.probability is not None
+        values, truth = np.concatenate(outputs), np.concatenate(truths)
+        return calibration.calibrators(self.probability, extension.layout, values, truth)
+
+    def _as_asked(self, values: NDArray[np.float64], layout: Layout) -> NDArray[np.float64]:
+        """Return outputs of machines as they are, or as probabilities."""
+        if self.probability is None:
+            return values
+        return calibration.probabilities(self.probability, self.calibrators_, layout, values)
 
     def _grid(self) -> Grid:
         assert self.kernel is not None
@@ -326,15 +300,9 @@ class SVM(Classifier):
         names += [name for name in self.get_params() if name.startswith("kernel__")]
         return Grid.of(self.search or {}, names, light)
 
-    def _splits(
-        self, codes: NDArray[np.int64], stamps: ArrayLike | None
-    ) -> list[tuple[Rows, Rows]]:
-        names = np.asarray(self.class_names)
-        return list(fold_scheme(self.folds).split(names[codes], stamps))
-
     def _check_parameters(self) -> None:
         allowed = {
-            "multiclass": MULTICLASS,
+            "multiclass": tuple(LAYOUTS),
             "probability": (*calibration.METHODS, None),
         }
         for name, values in allowed.items():
@@ -348,7 +316,6 @@ class SVM(Classifier):
             raise UsageError("an SVM needs a kernel, such as kernel={plugin: rbf}")
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
-        fold_scheme(self.folds)
         if not (self.refit or self.search):
             raise UsageError("refit=false keeps what a search held out: give search, or refit=true")
 
@@ -360,11 +327,12 @@ class SVM(Classifier):
         return tags
 
 
-def _one_training_part(splits: Sequence[tuple[Rows, Rows]]) -> Rows:
+def _one_training_part(folds: Sequence[Folds]) -> Rows:
     """Return the training rows of the only split."""
+    splits = [split for alike in folds for split in alike.splits]
     if len(splits) != 1:
         raise UsageError(
             f"refit=false needs folds that hold out samples once, and these do {len(splits)} "
-            "times: choose folds={scheme: by_log, only_last: true}"
+            "times: choose folds={plugin: by_log, only_last: true}"
         )
     return splits[0][0]

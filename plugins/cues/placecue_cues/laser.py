@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.cue import Alteration, Cue
+from placecue.cue import Augmentation, Cue
 from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.features import FeatureBatch, stack
 from placecue.observation import LaserScan, Observation, Part
@@ -150,7 +150,7 @@ class LaserGeometry(Cue):
         scan = _scan(observation)
         return np.asarray(self._features(_ranges(scan)[None], scan.angles)[0])
 
-    def alterations(self) -> Sequence[Alteration]:
+    def augmentations(self) -> Sequence[Augmentation]:
         """Return what scales a scan, for each of ``scales`` but 1.
 
         Raises

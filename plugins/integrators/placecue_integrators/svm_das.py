@@ -9,12 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 
 from placecue.classifier import Classifier
-from placecue.errors import UsageError
+from placecue.errors import DataError, UsageError
 from placecue.evidence import Evidence
 from placecue.folds import Rows
+from placecue.held_out import HeldOut
 from placecue.integrator import Integrator
 from placecue.scaling import RangeScaling
 from placecue.scores import Scores
+from placecue.training_set import TrainingSet
 
 
 class SVMDAS(Integrator):
@@ -51,23 +53,52 @@ class SVMDAS(Integrator):
 
         See :meth:`placecue.integrator.Integrator.fit`.
         """
+        times = None if stamps is None else np.asarray(stamps)
+        return self.train(HeldOut(evidence, np.asarray(labels), times))
+
+    def train(self, held_out: HeldOut) -> Self:
+        """Learn from held-out evidence; samples that lack a cue are left out.
+
+        Raises
+        ------
+        UsageError
+            If there is no classifier.
+        DataError
+            If no sample has scores of every cue.
+        """
         if self.classifier is None:
             raise UsageError("svm_das needs a classifier, such as classifier={plugin: svm}")
-        self.cues_ = list(evidence.cues)
-        joined = self._joined(evidence)
+        self.cues_ = list(held_out.evidence.cues)
+        joined, rows = self._joined(held_out.evidence)
+        if rows.size == 0:
+            raise DataError(f"no sample has scores of all cues ({', '.join(self.cues_)})")
+        complete = held_out.take(rows)
         self.scaling_ = RangeScaling().fit(joined)
+        training = TrainingSet(
+            self.scaling_.transform(joined),
+            complete.labels,
+            complete.stamps,
+            complete.groups,
+            folds=complete.folds,
+        )
         self.classifier_ = clone(self.classifier)
-        self.classifier_.fit(self.scaling_.transform(joined), labels, stamps)
+        self.classifier_.train(training)
         return self
 
-    def integrate(self, evidence: Evidence, rows: Rows | None = None) -> Scores:
-        """Return the classifier's outputs on the joined scores, in its own layout."""
-        return self.classifier_.scores(self.scaling_.transform(self._joined(evidence, rows)))
+    def integrate(self, evidence: Evidence) -> Scores:
+        """Return the classifier's outputs on the joined scores, in its own layout.
 
-    def chosen(self) -> Self:
-        """Return an unfitted copy whose classifier has the parameters that its search found."""
-        copy: Self = super().chosen()
-        return copy.set_params(classifier=self.classifier_.chosen())  # type: ignore[no-any-return]
+        NaN for observations that lack a cue.
+        """
+        joined, rows = self._joined(evidence)
+        layout = self.classifier_.layout_
+        values = np.full((len(evidence), len(layout.columns)), np.nan)
+        if rows.size:
+            values[rows] = self.classifier_.scores(self.scaling_.transform(joined)).values
+        return Scores(values, layout)
 
-    def _joined(self, evidence: Evidence, rows: Rows | None = None) -> NDArray[np.float64]:
-        return np.hstack([evidence.scores(cue, rows).values for cue in self.cues_])
+    def _joined(self, evidence: Evidence) -> tuple[NDArray[np.float64], Rows]:
+        """Return the outputs of all cues, shape (k, V), and which observations have them."""
+        joined = np.hstack([evidence.scores(cue).values for cue in self.cues_])
+        rows = np.flatnonzero(~np.isnan(joined).any(axis=1))
+        return joined[rows], rows

@@ -1,0 +1,88 @@
+"""A cue and its classifier: the paper's single-cue model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from sklearn.base import clone
+
+from placecue import contracts
+from placecue.classifier import Classifier
+from placecue.cue import Cue
+from placecue.features import FeatureBatch, n_samples
+from placecue.folds import FoldScheme
+from placecue.guard import call
+from placecue.progress import track
+from placecue.scores import Layout, Scores
+from placecue.training_set import TrainingSet
+
+
+class CueModel:
+    """What one cue says of a place.
+
+    Parameters
+    ----------
+    cue : Cue
+        Turns observations into features.
+    classifier : Classifier
+        Turns features into scores.
+    """
+
+    def __init__(self, cue: Cue, classifier: Classifier) -> None:
+        self.cue = cue
+        self.classifier = classifier
+
+    @classmethod
+    def of(cls, model: CueModel | tuple[Cue, Classifier]) -> CueModel:
+        """Return a model as it is, or that of a cue and its classifier."""
+        return model if isinstance(model, CueModel) else cls(*model)
+
+    @property
+    def layout(self) -> Layout:
+        """What the columns of the scores are; there once the model is fitted."""
+        return self.classifier.layout_
+
+    def fit(self, training: TrainingSet) -> CueModel:
+        """Train the classifier on features of the cue, which has learned already."""
+        call(self.classifier, "train", training)
+        return self
+
+    def scores(self, features: FeatureBatch) -> Scores:
+        """Return the scores of n samples, shape (n, V)."""
+        check = partial(contracts.scores, n=n_samples(features), layout=self.layout)
+        scores: Scores = call(self.classifier, "scores", features, check=check)
+        return scores
+
+    def held_out(
+        self, training: TrainingSet, folds: FoldScheme | None = None, *, name: str = "cue"
+    ) -> Scores:
+        """Return the scores that each sample gets from a copy of the model which has not seen it.
+
+        Parameters
+        ----------
+        training : TrainingSet
+            n samples, on which the model has been fitted; copies of the classifier with what its
+            search found are trained in each fold. Augmented copies are trained on, not scored.
+        folds : FoldScheme, optional
+            How the samples are cut; by default as the set says.
+        name : str
+            The name of the cue, for progress.
+
+        Returns
+        -------
+        Scores
+            Shape (n, V) in the model's layout; NaN for a sample that no fold held out.
+        """
+        splits = track(training.split(folds), f"{name}: out-of-fold scores")
+        values = np.full((len(training), len(self.layout.columns)), np.nan)
+        parts: Iterable[Any] = call(self.classifier, "out_of_fold", training, splits)
+        for rows, scores in parts:
+            values[rows] = scores.values
+        return Scores(values, self.layout)
+
+    def unfitted(self) -> CueModel:
+        """Return a copy that has learned nothing, with the same parameters."""
+        return CueModel(clone(self.cue), clone(self.classifier))

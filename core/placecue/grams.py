@@ -1,0 +1,148 @@
+"""Where Gram blocks come from: straight from the kernels, or from where they were kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import joblib
+
+from placecue import contracts
+from placecue.features import FeatureBatch, n_samples
+from placecue.folds import Rows
+from placecue.guard import call
+from placecue.kernel import Gram, Kernel
+
+
+@dataclass(frozen=True)
+class Known:
+    """Some of the samples that a kernel machine was trained on.
+
+    Parameters
+    ----------
+    features : batch of k samples
+        As the kernel sees them.
+    rows : ndarray of int64, shape (k,)
+        Which of the training samples they are.
+    samples : str or None
+        What :meth:`Grams.known` said of all of these.
+    """
+
+    features: FeatureBatch
+    rows: Rows
+    samples: str | None = None
+
+
+class Grams:
+    """Asks the kernels, every time; :class:`KeptGrams` asks them once.
+
+    What stands around the kernel as :class:`placecue.Extraction` stands around the cue. The one in
+    use is :func:`current`.
+    """
+
+    def known(self, features: FeatureBatch) -> str | None:
+        """Return what to call n training samples later on, in :class:`Known`; None for nothing."""
+        return None
+
+    def shared(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+        """Return what all settings of the kernel's light parameters share; see :meth:`Kernel`."""
+        return call(kernel, "shared", *_pair(a, b))
+
+    def gram(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+        """Return the kernel between ``a`` and ``b`` (``a`` without it), shape (n, m)."""
+        block: Gram = call(kernel, "gram", *_pair(a, b), check=_block(a, b))
+        return block
+
+    def against(self, kernel: Kernel, features: FeatureBatch, known: Known) -> Gram:
+        """Return the kernel between n samples and k of a machine's training samples, (n, k)."""
+        return self.gram(kernel, features, known.features)
+
+
+class KeptGrams(Grams):
+    """Keeps the training samples and Gram blocks of a run, in memory.
+
+    Machines trained on the same samples with the same kernel (other multi-class extensions, say)
+    then share one block against each batch that is asked about, whichever of the samples are
+    their support vectors; settings of light parameters share what these leave as it is.
+    """
+
+    def __init__(self) -> None:
+        self._batches: dict[str, FeatureBatch] = {}
+        self._shared: dict[tuple[str, str, str], Any] = {}
+        self._last: tuple[tuple[str, str, str], Gram] | None = None
+
+    def known(self, features: FeatureBatch) -> str | None:
+        """Keep n training samples, and return what they are called: a digest."""
+        name = _digest(features)
+        self._batches.setdefault(name, features)
+        return name
+
+    def shared(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+        """Return what the kernel shares; computed once for samples and kernel."""
+        key = (_without_light(kernel), _digest(a), "" if b is None else _digest(b))
+        if key not in self._shared:
+            self._shared[key] = super().shared(kernel, a, b)
+        return self._shared[key]
+
+    def gram(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+        """Return the kernel between ``a`` and ``b``, shape (n, m); the last one is kept."""
+        key = (joblib.hash(kernel), _digest(a), "" if b is None else _digest(b))
+        if self._last is None or self._last[0] != key:
+            shared = self.shared(kernel, a, b)
+            self._last = key, call(kernel, "from_shared", shared, check=_block(a, b))
+        return self._last[1].copy()
+
+    def against(self, kernel: Kernel, features: FeatureBatch, known: Known) -> Gram:
+        """Return the columns of the one block between n samples and all training samples."""
+        whole = None if known.samples is None else self._batches.get(known.samples)
+        if whole is None:
+            return super().against(kernel, features, known)
+        return self.gram(kernel, features, whole)[:, known.rows]
+
+
+_plain = Grams()
+_current: ContextVar[Grams] = ContextVar("placecue_grams", default=_plain)
+
+
+def current() -> Grams:
+    """Return where kernel machines get their Gram blocks from."""
+    return _current.get()
+
+
+@contextmanager
+def keeping(grams: Grams) -> Iterator[Grams]:
+    """Let kernel machines get their Gram blocks from ``grams`` inside the block.
+
+    >>> with keeping(KeptGrams()):  # doctest: +SKIP
+    ...     for multiclass in ("oao", "oaa", "modified_oaa"):
+    ...         SVM(Chi2(), multiclass=multiclass).fit(train, labels).scores(test)
+    """
+    token = _current.set(grams)
+    try:
+        yield grams
+    finally:
+        _current.reset(token)
+
+
+def _pair(a: FeatureBatch, b: FeatureBatch | None) -> tuple[FeatureBatch, ...]:
+    return (a,) if b is None else (a, b)
+
+
+def _block(a: FeatureBatch, b: FeatureBatch | None) -> Any:
+    return partial(contracts.scaled, shape=(n_samples(a), n_samples(a if b is None else b)))
+
+
+def _without_light(kernel: Kernel) -> str:
+    """Return a digest of a fitted kernel, whatever its light parameters are."""
+    copy: Any = deepcopy(kernel)
+    copy.set_params(**dict.fromkeys(kernel.light_parameters))
+    return str(joblib.hash(copy))
+
+
+def _digest(features: FeatureBatch) -> str:
+    return str(joblib.hash(features))

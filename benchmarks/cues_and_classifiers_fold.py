@@ -26,9 +26,9 @@ class Grams:
 
     def __init__(self, kernel: DistanceKernel, features: FeatureBatch, gammas: Sequence[float]):
         kernel.check(features)
-        distances = kernel.distances(features)
+        distances = kernel.shared(features)
         copies = {gamma: clone(kernel).set_params(gamma=gamma) for gamma in gammas}
-        self.of_gamma = {gamma: copy.from_distances(distances) for gamma, copy in copies.items()}
+        self.of_gamma = {gamma: copy.from_shared(distances) for gamma, copy in copies.items()}
 
     def __deepcopy__(self, memo: Any) -> Grams:
         return self
@@ -43,12 +43,12 @@ class LookUp(DistanceKernel):
         super().__init__(gamma)
         self.grams = grams
 
-    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
         rows, columns = np.asarray(a), np.asarray(a if b is None else b)
         return np.ix_(rows[:, 0].astype(int), columns[:, 0].astype(int))
 
-    def from_distances(self, distances: Any) -> Gram:
-        return np.asarray(self.grams.of_gamma[self.gamma][distances])
+    def from_shared(self, shared: Any) -> Gram:
+        return np.asarray(self.grams.of_gamma[self.gamma][shared])
 
 
 @dataclass

@@ -79,11 +79,11 @@ def whole_gram() -> None:
 
     def match() -> None:
         nonlocal kept
-        kept = kernel.distances(training)
+        kept = kernel.shared(training)
 
     print(f"{cores} cores, {IMAGES} x {IMAGES} images of {DESCRIPTORS} descriptors")
     print(f"placecue Match, matching once      {seconds(match, 1):8.1f} s")
-    each = seconds(lambda: kernel.from_distances(kept), 3)
+    each = seconds(lambda: kernel.from_shared(kept), 3)
     print(f"placecue Match, then each gamma    {each:8.2f} s")
     cv2.setNumThreads(1)
     peer = seconds(lambda: by_opencv(training[[0]], training[np.arange(BLOCK)], 1.0), 5)

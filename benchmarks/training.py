@@ -140,7 +140,7 @@ def main() -> None:
     features, labels = samples()
     print(f"{len(labels)} samples of {len(np.unique(labels))} classes; {threads} thread(s)")
     warm = np.arange(len(labels)) % 10 == 0
-    Chi2().distances(features["crfh"][warm])  # compiles
+    Chi2().shared(features["crfh"][warm])  # compiles
     print("CRFH")
     with joblib.parallel_config(n_jobs=threads):
         crfh = ours("crfh", features["crfh"], labels)

@@ -34,6 +34,41 @@ class PluginError(UsageError):
     """A plugin could not be loaded, or two plugins claim one name."""
 
 
+class ComponentError(PlacecueError):
+    """A component failed: it raised what is no error of ours, or wanted to leave the process.
+
+    At one observation it may be passed over like an unusable one, where that is asked for.
+    """
+
+
+class ContractError(ComponentError):
+    """A component returned what its interface does not promise; nothing after it can be trusted."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C while a component was at work; says which."""
+
+
+#: So much of the text of a foreign error is told.
+_TOLD = 400
+
+
+def told(error: BaseException) -> str:
+    """Return a foreign error in one line: its type, and its text as far as it has one."""
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # its text is made by foreign code as well
+        text = "(which has no text)"
+    text = text if len(text) <= _TOLD else f"{text[:_TOLD]} ..."
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def described(value: object) -> str:
+    """Return the type of a value with its article, such as ``a list``."""
+    name = type(value).__name__
+    return "None" if value is None else f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
+
+
 def choices(wanted: str, available: Iterable[str]) -> str:
     """Describe what exists, with the nearest match first.
 

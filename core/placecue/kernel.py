@@ -82,7 +82,8 @@ class Kernel(BaseEstimator, ABC):  # type: ignore[misc]
 class DistanceKernel(Kernel):
     """A kernel whose costly part, a distance, does not depend on its parameter ``gamma``.
 
-    A search over gamma computes :meth:`distances` once and :meth:`from_distances` for each gamma.
+    A search over gamma computes :meth:`shared`, the distances, once and :meth:`from_shared` for
+    each gamma.
 
     Parameters
     ----------
@@ -93,28 +94,26 @@ class DistanceKernel(Kernel):
     def __init__(self, gamma: float = 1.0) -> None:
         self.gamma = gamma
 
-    @abstractmethod
-    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
-        """Return the part that gamma does not enter, in any form :meth:`from_distances` takes."""
-
-    def from_distances(self, distances: Any) -> Gram:
-        """Return exp(-gamma * distances), shape (n, m); override where the form is another."""
-        scaled: Gram = np.multiply(distances, -self.gamma)
-        return np.exp(scaled, out=scaled)
-
     @property
     def light_parameters(self) -> tuple[str, ...]:
         """Gamma."""
         return ("gamma",)
 
+    @abstractmethod
     def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
-        """Return the distances."""
-        return self.distances(a, b)
+        """Return the distances, which gamma does not enter, in any form :meth:`from_shared` takes.
+
+        Parameters
+        ----------
+        a, b : batch of n and of m samples
+            Features; without ``b``, ``a`` against itself.
+        """
 
     def from_shared(self, shared: Any) -> Gram:
-        """Return the Gram block, shape (n, m), from distances."""
-        return self.from_distances(shared)
+        """Return exp(-gamma * shared), shape (n, m); override where the form is another."""
+        scaled: Gram = np.multiply(shared, -self.gamma)
+        return np.exp(scaled, out=scaled)
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the kernel between every sample of ``a`` and of ``b``; see :class:`Kernel`."""
-        return self.from_distances(self.distances(a, b))
+        return self.from_shared(self.shared(a, b))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple, TypeAlias
+from functools import partial
+from typing import Any, Literal, NamedTuple, Never, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import UnusableObservation
+from placecue.errors import PlacecueError, UnusableObservation, described, told
+from placecue.read_only import read_only
 
 Image: TypeAlias = NDArray[np.uint8]
 Part = Literal["image", "scan", "pose", "label"]
@@ -48,7 +50,7 @@ class Pose2D:
 
 @dataclass(frozen=True, slots=True)
 class LaserScan:
-    """One sweep of a 2D laser scanner.
+    """One sweep of a 2D laser scanner. Nothing can be written into it.
 
     Parameters
     ----------
@@ -68,6 +70,15 @@ class LaserScan:
     range_min: float
     range_max: float
     mount: Pose2D = field(default=Pose2D(0.0, 0.0, 0.0, "base_link"))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angles", read_only(self.angles))
+        object.__setattr__(self, "ranges", read_only(self.ranges))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Copies and what comes from another process are read-only again.
+        parts = (self.angles, self.ranges, self.range_min, self.range_max, self.mount)
+        return LaserScan, parts
 
     def valid(self) -> NDArray[np.bool_]:
         """Return which beams measured something, shape (n,)."""
@@ -179,6 +190,8 @@ class Origin(NamedTuple):
 class Observation:
     """One moment of a log. Any part but the stamp may be missing.
 
+    It is read-only, its arrays too: what one component wrote into it, all others would see.
+
     Parameters
     ----------
     stamp : int
@@ -195,9 +208,20 @@ class Observation:
         The true name of the place, where somebody gave one.
     origin : Origin or None
         Where it comes from, so that its features can be kept between runs.
+    log_name : str
+        What to call the log it is of, in messages.
     """
 
-    __slots__ = ("_decoded", "image_source", "label", "origin", "pose", "scan", "stamp")
+    __slots__ = ("_decoded", "image_source", "label", "log_name", "origin", "pose", "scan", "stamp")
+
+    stamp: int
+    image_source: Image | Callable[[], Image] | None
+    scan: LaserScan | None
+    pose: Pose2D | None
+    label: str | None
+    origin: Origin | None
+    log_name: str
+    _decoded: Image | None
 
     def __init__(
         self,
@@ -208,22 +232,57 @@ class Observation:
         pose: Pose2D | None = None,
         label: str | None = None,
         origin: Origin | None = None,
+        log_name: str = "",
     ) -> None:
-        self.stamp = stamp
-        self.image_source = image
-        self._decoded: Image | None = None
-        self.scan = scan
-        self.pose = pose
-        self.label = label
-        self.origin = origin
+        keep = partial(object.__setattr__, self)
+        keep("stamp", stamp)
+        keep("image_source", read_only(image) if isinstance(image, np.ndarray) else image)
+        keep("scan", scan)
+        keep("pose", pose)
+        keep("label", label)
+        keep("origin", origin)
+        keep("log_name", log_name)
+        keep("_decoded", None)
+
+    def __setattr__(self, name: str, value: object) -> Never:
+        raise AttributeError(
+            f"observations are read-only, so {name} cannot be set: make a copy with altered() or "
+            "relabelled()"
+        )
 
     @property
     def image(self) -> Image | None:
-        """The image, decoded on first use; None where there is none."""
+        """The image, decoded on first use; None where there is none.
+
+        Raises
+        ------
+        UnusableObservation
+            If it does not decode, or not to an image.
+        """
         if self._decoded is None and self.image_source is not None:
             source = self.image_source
-            self._decoded = source() if callable(source) else source
+            image = self._called(source) if callable(source) else source
+            object.__setattr__(self, "_decoded", self._checked(image))
         return self._decoded
+
+    def _called(self, source: Callable[[], Image]) -> Image:
+        try:
+            return source()
+        except PlacecueError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise UnusableObservation(
+                f"{self._its('image')} does not decode: {told(error)}"
+            ) from error
+
+    def _checked(self, image: Any) -> Image:
+        # What pixels it must have, the cues say.
+        if not isinstance(image, np.ndarray):
+            raise UnusableObservation(f"{self._its('image')} is {described(image)}, not an array")
+        return read_only(image)
+
+    def _its(self, part: Part) -> str:
+        return f"the {part} at stamp {self.stamp}{f' of {self.log_name}' if self.log_name else ''}"
 
     def has(self, part: Part) -> bool:
         """Tell whether a part is there, without decoding it."""
@@ -238,6 +297,12 @@ class Observation:
     def relabelled(self, label: str | None) -> Observation:
         """Return the same moment under another label; a pending image stays undecoded."""
         return self._with(label=label)
+
+    def of_log(self, name: str) -> Observation:
+        """Say what the log is called in messages, unless somebody has; return the observation."""
+        if not self.log_name:
+            object.__setattr__(self, "log_name", name)
+        return self
 
     def coming_from(self, origin: Origin) -> Observation:
         """Return the same moment with its origin; a pending image stays undecoded."""
@@ -256,8 +321,15 @@ class Observation:
         return self._with(origin=self.origin and self.origin._replace(altered=how), **parts)
 
     def _with(self, **changed: Any) -> Observation:
-        parts = {name: getattr(self, name) for name in ("scan", "pose", "label", "origin")}
-        return Observation(self.stamp, **({"image": self.image_source} | parts | changed))
+        return Observation(self.stamp, **(self._parts() | changed))
+
+    def _parts(self) -> dict[str, Any]:
+        names = ("scan", "pose", "label", "origin", "log_name")
+        return {"image": self.image_source} | {name: getattr(self, name) for name in names}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Copies and what comes from another process are read-only again.
+        return partial(Observation, **self._parts()), (self.stamp,)
 
     def __repr__(self) -> str:
         parts = ", ".join(part for part in PARTS if self.has(part))

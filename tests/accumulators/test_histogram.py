@@ -56,6 +56,27 @@ def test_coming_back_makes_a_bin_young_again():
     assert histogram.sums().total == pytest.approx([1101.0])  # bin 1 is gone, 0 is not
 
 
+def test_viewpoints_without_scores_count_too():
+    histogram = ViewpointHistogram(forget_after=2)
+    histogram.add((0, 0, 0), np.array([1.0]))
+    for x in (1, 1, 2):
+        histogram.visit((x, 0, 0))
+    assert histogram.sums().total == pytest.approx([1.0])
+    histogram.visit((3, 0, 0))  # the third viewpoint since the only scores there were
+    assert (len(histogram), histogram.sums().bins) == (0, 0)
+    histogram.add((3, 0, 0), np.array([5.0]))
+    assert histogram.sums().mean() == pytest.approx([5.0])
+
+
+def test_passing_a_bin_without_scores_makes_it_young_again():
+    histogram = ViewpointHistogram(forget_after=2)
+    histogram.add((0, 0, 0), np.array([1.0]))
+    for x in (1, 0, 2):
+        histogram.visit((x, 0, 0))
+    histogram.add((3, 0, 0), np.array([1000.0]))
+    assert histogram.sums().total == pytest.approx([1001.0])  # bin 0 was left two viewpoints ago
+
+
 def test_standing_ages_nothing():
     histogram = ViewpointHistogram(forget_after=1)
     for x in (0, 1, 1, 1, 1):
@@ -104,22 +125,27 @@ def test_how_long_the_robot_stood_does_not_matter(way, stays):
     assert once.sums().bins == longer.sums().bins
 
 
-@given(bins, st.integers(0, 4))
+steps = st.lists(st.tuples(st.integers(0, 5), st.booleans()), min_size=1, max_size=60)
+
+
+@given(steps, st.integers(0, 4))
 def test_sums_equal_those_computed_from_scratch(way, forget_after):
     histogram = ViewpointHistogram(forget_after)
     rng = np.random.default_rng(1)
     known: dict[int, list[np.ndarray]] = {}
     visits: dict[int, int] = {}
     visit, here = 0, None
-    for x in way:
+    for x, scored in way:
         visit += x != here
         here = x
-        values = rng.normal(size=4)
-        histogram.add((x, 0, 0), values)
-        known.setdefault(x, []).append(values)
         visits[x] = visit
+        histogram.visit((x, 0, 0))
+        if scored:
+            values = rng.normal(size=4)
+            histogram.add((x, 0, 0), values)
+            known.setdefault(x, []).append(values)
         for old in [b for b in known if visit - visits[b] > forget_after]:
-            del known[old], visits[old]
+            del known[old]
         expected = sum(np.mean(values, axis=0) for values in known.values())
         np.testing.assert_allclose(histogram.sums().total, expected, atol=1e-12)
         assert len(histogram) == len(known) <= forget_after + 1

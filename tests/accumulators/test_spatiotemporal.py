@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -194,6 +195,28 @@ def test_beliefs_that_are_not_sure_enough_are_dropped():
     assert area.confidence == pytest.approx(0.1)
 
 
+def test_beliefs_that_the_pipeline_calls_unknown_are_dropped():
+    accumulator = SpatioTemporal(boundary=Doors())
+    rejected = replace(says("kitchen", 0.9), label="unknown")  # of confidence 1.8 all the same
+    for i in range(4):
+        accumulator.update(Observation(i, pose=Pose2D(i * 0.2, 0, 0)), rejected)
+    assert accumulator.semantic_map().areas[0].label == "unknown"
+    accumulator.update(Observation(4, pose=Pose2D(0.8, 0, 0)), says("office", 0.1))
+    (area,) = accumulator.semantic_map().areas
+    assert (area.label, area.confidence) == ("office", pytest.approx(0.2))
+
+
+def test_viewpoints_where_no_belief_was_accepted_age_the_others():
+    accumulator = SpatioTemporal(boundary=Doors(), forget_after=2)
+    beliefs = [says("kitchen", 0.9), None, says("kitchen", 0.01), says("office", 0.1)]
+    for i, belief in enumerate(beliefs):
+        accumulator.update(Observation(i, pose=Pose2D(i * 0.3, 0, 0)), belief)
+    (area,) = accumulator.semantic_map().areas
+    # The first bin was left three viewpoints ago, though only one belief was accepted since.
+    assert (area.label, area.confidence) == ("office", pytest.approx(0.2))
+    assert area.scores["kitchen"] == pytest.approx(-0.1)
+
+
 def test_an_area_is_unknown_until_the_accumulated_belief_is_sure():
     accumulator = SpatioTemporal(boundary=Doors(), label_confidence=0.3)
     rows = [[0.2, 0, -1, -1], [0.0, 0.2, -1, -1], [0.9, 0, -1, -1]]
@@ -234,6 +257,21 @@ def test_a_revisited_area_starts_from_what_is_stored_at_its_nodes():
     assert area.scores["office"] == pytest.approx((6 * 0.5 - 4 * 0.5) / 10)
     follow(accumulator, way((3, 1.9), (3, 3.9)), lambda _: says("kitchen"))
     assert accumulator.semantic_map().area(1).label == "kitchen"
+
+
+def test_what_a_node_has_stored_is_scaled_down_before_more_is_stored():
+    accumulator = SpatioTemporal(boundary=NodeLeft(1.0), forget_after=None, prior_bins=2)
+    out = [Pose2D(x, 0, 0) for x in (0.0, 0.2, 0.4, 0.6)]
+    back = [Pose2D(x, 0, 0) for x in (0.4, 0.2, 0.0)]
+    next_node = [Pose2D(1.4, 0, 0)]
+    follow(accumulator, out, lambda _: says("office"))
+    follow(accumulator, next_node, lambda _: None)
+    follow(accumulator, back, lambda _: says("kitchen"))
+    follow(accumulator, [*next_node, back[0]], lambda _: None)
+    area = accumulator.semantic_map().area(0)
+    # Stored: four bins of 0.5 for the office, then two bins' worth of that and three of -0.5.
+    assert area.scores["office"] == pytest.approx((2 * 0.5 - 3 * 0.5) / 5)
+    assert area.label == "kitchen"
 
 
 def test_full_turns_lead_to_other_bins():

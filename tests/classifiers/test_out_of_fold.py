@@ -95,9 +95,9 @@ class Counting(RBF):
 
     calls = 0
 
-    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
         Counting.calls += 1
-        return super().distances(a, b)
+        return super().shared(a, b)
 
 
 def test_the_gram_matrix_is_computed_once_for_all_folds(seen: Samples) -> None:

@@ -30,9 +30,9 @@ class Blurred(RBF):
         super().__init__(gamma)
         self.blur = blur
 
-    def distances(self, a, b=None):  # type: ignore[no-untyped-def]
+    def shared(self, a, b=None):  # type: ignore[no-untyped-def]
         Blurred.made += 1
-        return super().distances(a, b) ** (1 - self.blur)
+        return super().shared(a, b) ** (1 - self.blur)
 
 
 def test_every_combination_is_tried_and_the_best_is_taken(seen: Blobs) -> None:

@@ -121,9 +121,9 @@ def test_the_gram_matrix_of_a_gamma_is_computed_once(
     calls = []
 
     class Counted(RBF):
-        def distances(self, a, b=None):  # type: ignore[no-untyped-def]
+        def shared(self, a, b=None):  # type: ignore[no-untyped-def]
             calls.append(1)
-            return super().distances(a, b)
+            return super().shared(a, b)
 
     features, codes = blobs
     SVM(kernel=Counted(), search={"C": [1, 10], "gamma": [0.01, 0.1]}).fit(features, NAMES[codes])

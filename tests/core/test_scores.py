@@ -59,6 +59,18 @@ def test_one_against_one_second_vote_beats_the_margin() -> None:
     assert decision.confidence[0] == pytest.approx(-3.0)
 
 
+def test_one_against_one_second_vote_goes_before_the_worst_lost_margin() -> None:
+    # a, b, c, d have three votes each, e one and f two. Among the four, a beats b and c, b beats
+    # c and d, c beats d, d beats a: two votes each for a and b, one for c and d. Of those two a
+    # beat b. By the worst margin among the four c would win (-0.1; a -3, b -0.5, d -1), and by
+    # that of a and b among the four, b.
+    a_beats, b_beats = [0.5, 0.1, -3.0, 1.0, -1.0], [0.1, 1.0, 1.0, -1.0]
+    c_beats, d_beats, e_beats = [1.0, 1.0, 1.0], [1.0, 1.0], [1.0]
+    values = np.array([[*a_beats, *b_beats, *c_beats, *d_beats, *e_beats]])
+    decision = Scores(values, OneAgainstOne(tuple("abcdef"))).decide()
+    assert decision.ranking[0].tolist() == [0, 1, 2, 3, 5, 4]
+
+
 def test_one_against_one_agrees_with_a_count_of_votes() -> None:
     generator = np.random.default_rng(5)
     values = generator.normal(size=(200, 10))

@@ -12,6 +12,7 @@ from placecue import LaserScan, Observation
 from placecue_cues.laser import LaserGeometry
 from placecue_cues.scan.beams import Beams
 from placecue_cues.scan.fourier import harmonics
+from placecue_cues.scan.marks import nearest_minima
 from placecue_cues.scan.polygon import Polygons
 
 CUE = LaserGeometry("full")
@@ -126,6 +127,40 @@ def test_l_shaped_room() -> None:
     assert found["compactness"] == pytest.approx(9 / (4 * np.pi * second), rel=0.02)
     assert found["eccentricity"] == pytest.approx(2 * abs(mixed) / (2 * second), rel=0.02)
     assert found["minima_distance"] > 0
+
+
+CORRIDOR = walls((-9, -1), (9, -1), (9, 1), (-9, 1))
+OFF_CENTRE = walls((-9, -0.6), (9, -0.6), (9, 1.4), (-9, 1.4))
+DEAD_END = walls((-9, -1), (1.5, -1), (1.5, 3), (-9, 3))
+
+
+@pytest.mark.parametrize(
+    ("room", "distance", "angle"),
+    [
+        (CORRIDOR, 2.0, np.pi),  # the walls at both sides are nearest where the scan ends
+        (OFF_CENTRE, 2.0, np.pi),
+        (DEAD_END, np.hypot(1, 1.5), np.pi / 2),  # at the right end and straight ahead
+    ],
+)
+def test_the_ends_of_a_scan_can_be_minima(room: Shape, distance: float, angle: float) -> None:
+    found = features(room, np.radians(np.arange(-90, 90.5, 0.5)))
+    assert found["minima_distance"] == pytest.approx(distance, rel=1e-4)
+    assert found["minima_angle"] == pytest.approx(angle, rel=1e-4)
+
+
+def test_the_ends_of_a_full_turn_are_one_place() -> None:
+    # The nearest wall is behind, where the turn begins and ends; the next one is ahead.
+    found = features(walls((-1, -5), (2, -5), (2, 5), (-1, 5)), around(720))
+    assert found["minima_distance"] == pytest.approx(3.0, rel=1e-4)
+    assert found["minima_angle"] == pytest.approx(np.pi, rel=1e-4)
+
+
+def test_noise_at_the_end_of_a_scan_makes_no_minimum() -> None:
+    ranges = np.full(361, 5.0)
+    ranges[1], ranges[200] = 4.95, 4.0  # beside the end too shallow, and one that is deep enough
+    assert nearest_minima(ranges, cyclic=False, depth=0.1).size == 0
+    ranges[2] = 5.2  # now the range rises between them by more
+    np.testing.assert_array_equal(nearest_minima(ranges, cyclic=False, depth=0.1), [200, 1])
 
 
 def test_jump_stays_one_jump_when_the_beams_are_coarse() -> None:

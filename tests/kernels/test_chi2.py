@@ -93,11 +93,11 @@ def test_not_normalised_and_empty_histograms() -> None:
 
 def test_each_gamma_costs_only_an_exponential() -> None:
     x = histograms(8, 4)
-    distances = Chi2().distances(x)
+    distances = Chi2().shared(x)
     kept = distances.copy()
     for gamma in (0.1, 1.0, 10.0):
         wanted = chi2_kernel(x, gamma=gamma)
-        np.testing.assert_allclose(Chi2(gamma).from_distances(distances), wanted, atol=1e-12)
+        np.testing.assert_allclose(Chi2(gamma).from_shared(distances), wanted, atol=1e-12)
     np.testing.assert_array_equal(distances, kept)
 
 
@@ -105,7 +105,7 @@ def test_reference_values(
     reference_histograms: sparse.csr_array, reference_kernels: dict[str, np.ndarray]
 ) -> None:
     batch, known = reference_histograms, reference_kernels
-    np.testing.assert_allclose(Chi2().distances(batch), known["chi2"], atol=1e-12)
+    np.testing.assert_allclose(Chi2().shared(batch), known["chi2"], atol=1e-12)
     np.testing.assert_allclose(Chi2(2.0).gram(batch), known["kernel_gamma2"], atol=1e-12)
 
 

@@ -95,9 +95,9 @@ class Counted(Chi2):
 
     made = 0
 
-    def distances(self, a, b=None):  # type: ignore[no-untyped-def]
+    def shared(self, a, b=None):  # type: ignore[no-untyped-def]
         Counted.made += 1
-        return super().distances(a, b)
+        return super().shared(a, b)
 
 
 @pytest.mark.parametrize("kind", [Sum, Product])
@@ -150,7 +150,7 @@ def test_a_gram_matrix_of_its_own_is_trained_on_and_asked() -> None:
 
 
 def test_where_nothing_light_is_searched_nothing_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Chi2, "distances", None)
+    monkeypatch.setattr(Chi2, "shared", None)
     monkeypatch.setattr(Chi2, "gram", lambda self, a, b=None: chi2_kernel(a, b, self.gamma))
     x, labels = histograms(40, 6), np.repeat(list("abcd"), 10)
     for kernel in (Chi2(), Sum([Chi2(), Linear()])):

@@ -49,7 +49,7 @@ def test_equals_definition(a: list[int], b: list[int], gamma: float, seed: int) 
     kernel = Match(gamma)
     for other in (y, None):
         wanted = by_definition(x, x if other is None else other, gamma, other is None)
-        for found in (kernel.gram(x, other), kernel.from_distances(kernel.distances(x, other))):
+        for found in (kernel.gram(x, other), kernel.from_shared(kernel.shared(x, other))):
             assert found.dtype == np.float64
             np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5)
             if other is None:
@@ -70,10 +70,10 @@ def test_files_and_threads_change_nothing(parameters: dict[str, float]) -> None:
     a, b = sets_of([5, 0, 9, 30], 2), sets_of([7, 3, 0], 3)
     kernel = Match(0.5, **parameters)
     for other in (b, None):
-        kept = kernel.distances(a, other)
+        kept = kernel.shared(a, other)
         assert isinstance(kept.from_a, np.memmap) == ("memory" in parameters)
         plain = Match(0.5).gram(a, other)
-        np.testing.assert_allclose(kernel.from_distances(kept), plain, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(kernel.from_shared(kept), plain, rtol=0, atol=1e-7)
         np.testing.assert_allclose(kernel.gram(a, other), plain, rtol=0, atol=1e-7)
 
 
@@ -86,10 +86,10 @@ def test_threads_share_the_samples_that_one_image_is_matched_with() -> None:
 
 def test_each_gamma_costs_only_exponentials() -> None:
     x = sets_of([4, 8, 2, 6], 4)
-    kept = Match().distances(x)
+    kept = Match().shared(x)
     for gamma in (0.1, 1.0, 10.0):
         wanted = by_definition(x, x, gamma, within=True)
-        np.testing.assert_allclose(Match(gamma).from_distances(kept), wanted, atol=1e-5)
+        np.testing.assert_allclose(Match(gamma).from_shared(kept), wanted, atol=1e-5)
 
 
 def test_descriptors_of_opencv_length() -> None:
@@ -101,7 +101,7 @@ def test_descriptors_of_opencv_length() -> None:
 
 def test_nearest_distances_equal_those_of_opencv() -> None:
     a, b = sets_of([40], 7), sets_of([60], 8)
-    found = Match().distances(a, b)
+    found = Match().shared(a, b)
     matcher = cv2.BFMatcher(cv2.NORM_L2)
     for one, other, ours in ((a, b, found.from_a), (b, a, found.from_b)):
         theirs = [match.distance**2 for match in matcher.match(one.values, other.values)]
@@ -133,7 +133,7 @@ def test_wrong_kinds_widths_and_parameters() -> None:
         Match().gram(sets, sets_of([2], 0, 8))
     for kernel in (Match(0.0), Match(float("nan")), Match(memory=-1)):
         with pytest.raises(UsageError, match="match needs gamma > 0 and memory >= 0"):
-            kernel.distances(sets)
+            kernel.shared(sets)
 
 
 def test_an_svm_searches_gamma_over_four_rooms() -> None:

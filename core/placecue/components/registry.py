@@ -10,6 +10,7 @@ from typing import Any
 
 from placecue.components.hooks import KINDS, Component, Kind
 from placecue.errors import PluginError, UsageError, choices
+from placecue.provenance import remember
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,12 +129,14 @@ class Registry:
         provided = self.get(kind, name)
         module, attribute = provided.component.factory.split(":")
         try:
-            return getattr(import_module(module), attribute)
+            loaded = getattr(import_module(module), attribute)
         except Exception as error:
             raise PluginError(
                 f"{kind} '{name}' of {provided.distribution} {provided.version} cannot be "
                 f"imported from {provided.component.factory}: {type(error).__name__}: {error}"
             ) from error
+        remember(loaded, kind, name, provided.distribution, provided.version)
+        return loaded
 
     def find(self, component: object) -> Provided | None:
         """Return which registered component an instance is of, or None."""

@@ -73,7 +73,8 @@ class ViewpointHistogram:
     ----------
     forget_after : int or None
         Bins that were last visited more than this many viewpoints ago are dropped, because
-        odometry drifts; a viewpoint is one entry into a bin. None keeps all.
+        odometry drifts; a viewpoint is one entry into a bin, with scores or without. None keeps
+        all.
 
     References
     ----------
@@ -92,8 +93,19 @@ class ViewpointHistogram:
         self._visit = 0
         self._total: Values = np.zeros(())
 
+    def visit(self, key: Key) -> None:
+        """Say which bin the robot is in, whether or not there are scores to put into it."""
+        if key == self._here:
+            return
+        self._here = key
+        self._visit += 1
+        if key in self._bins:
+            self._bins[key].visit = self._visit
+            self._bins.move_to_end(key)
+        self._forget()
+
     def add(self, key: Key, values: Values) -> None:
-        """Put scores into a bin.
+        """Put scores into a bin, which the robot then is in.
 
         Parameters
         ----------
@@ -102,9 +114,7 @@ class ViewpointHistogram:
         values : ndarray of float64, shape (V,)
             Scores.
         """
-        if key != self._here:
-            self._here = key
-            self._visit += 1
+        self.visit(key)
         known = self._bins.get(key)
         if known is None:
             self._bins[key] = _Bin(values.copy(), 1, self._visit)
@@ -113,19 +123,16 @@ class ViewpointHistogram:
             before = known.mean
             known.total += values
             known.count += 1
-            known.visit = self._visit
-            self._bins.move_to_end(key)
             self._total = self._total + (known.mean - before)
-        self._forget()
 
     def _forget(self) -> None:
-        if self.forget_after is None:
-            return
-        oldest = next(iter(self._bins.values()))
-        while self._visit - oldest.visit > self.forget_after:
-            self._bins.popitem(last=False)
-            self._total = self._total - oldest.mean
-            oldest = next(iter(self._bins.values()))
+        while self.forget_after is not None and self._bins:
+            key, oldest = next(iter(self._bins.items()))
+            if self._visit - oldest.visit <= self.forget_after:
+                return
+            del self._bins[key]
+            # Nothing is left of nothing, not even what rounding leaves.
+            self._total = self._total - oldest.mean if self._bins else np.zeros(())
 
     def sums(self) -> BinSums:
         """Return the bins' means summed, and how many bins there are."""

@@ -12,11 +12,11 @@ from placecue.belief import Belief
 from placecue.errors import DataError, UsageError
 from placecue.observation import Observation, Pose2D
 from placecue.scores import Layout
-from placecue.semantic_map import Node, SemanticMap
+from placecue.semantic_map import UNKNOWN, Node, SemanticMap
 from placecue_accumulators.areas import AreaRecord, Areas, Way
 from placecue_accumulators.door import Door
 from placecue_accumulators.graph import NavigationGraph, Step
-from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
+from placecue_accumulators.histogram import BinSums, Key, ViewpointHistogram, bin_of
 from placecue_accumulators.same_label import merge_same_label
 
 
@@ -37,11 +37,13 @@ class SpatioTemporal(Accumulator):
     bin_theta : float
         Size of a bin, rad. The heading is unwrapped: a full turn leads to other bins.
     accept_confidence : float
-        Beliefs of less confidence are dropped, in the unit of the scores.
+        Beliefs of less confidence are dropped, in the unit of the scores; so are those that the
+        pipeline calls ``unknown``.
     label_confidence : float
         An area is ``unknown`` until its accumulated belief has this confidence, in the same unit.
     forget_after : int or None
-        Bins last visited more than this many viewpoints ago are dropped; None keeps all.
+        Bins last visited more than this many viewpoints ago are dropped; None keeps all. Every
+        pose counts, also where no belief was accepted.
     node_spacing : float
         Distance between the nodes of the navigation graph, m.
     gateway_spacing : float
@@ -141,8 +143,9 @@ class SpatioTemporal(Accumulator):
         self._turn(pose)
         self._follow(observation, pose)
         self._walk(pose, observation.stamp)
+        viewpoint = self._visit(pose)
         if belief is not None and self._accepts(belief):
-            self._accumulate(pose, belief)
+            self._accumulate(viewpoint, belief)
         return self.updates_.pop(next(iter(self.updates_))) if self.updates_ else None
 
     def semantic_map(self) -> SemanticMap:
@@ -254,18 +257,25 @@ class SpatioTemporal(Accumulator):
             self.current_.way.setdefault(key, (pose.x, pose.y))
             self.current_.end = max(stamp, self.current_.end)
 
+    def _visit(self, pose: Pose2D) -> Key:
+        """Count the viewpoint, and return its bin."""
+        sizes = (self.bin_x, self.bin_y, self.bin_theta)
+        viewpoint = bin_of((pose.x, pose.y, self.theta_), sizes)
+        self.of_node_.visit(viewpoint)
+        self.of_area_.visit(viewpoint)
+        return viewpoint
+
     # ------------------------------------------------------------------ beliefs
 
     def _accepts(self, belief: Belief) -> bool:
-        sure = belief.confidence >= self.accept_confidence
+        sure = belief.label != UNKNOWN and belief.confidence >= self.accept_confidence
         return sure and bool(np.isfinite(belief.scores.values).all())
 
-    def _accumulate(self, pose: Pose2D, belief: Belief) -> None:
+    def _accumulate(self, viewpoint: Key, belief: Belief) -> None:
         self._check_layout(belief.scores.layout)
-        key = bin_of((pose.x, pose.y, self.theta_), (self.bin_x, self.bin_y, self.bin_theta))
         values = belief.scores.values[0]
-        self.of_node_.add(key, values)
-        self.of_area_.add(key, values)
+        self.of_node_.add(viewpoint, values)
+        self.of_area_.add(viewpoint, values)
         if self._judge() and self.current_ is not None:
             self._announce(self.current_)
 

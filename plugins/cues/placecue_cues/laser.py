@@ -59,7 +59,7 @@ class LaserGeometry(Cue):
         Fewest resampled beams on a line.
     minima_depth : float
         How far the range must rise on both sides of a local minimum, m; noise makes many smaller
-        ones.
+        ones. At the end of a scan of less than a full turn there is one side only.
     hu_floor : float
         Hu's moments below this are on a linear scale, above on a logarithmic one.
     scales : sequence of float
@@ -74,6 +74,8 @@ class LaserGeometry(Cue):
     """
 
     requires: ClassVar[tuple[Part, ...]] = ("scan",)
+    # 2: minima of the preset full may lie at the ends of a scan.
+    version: ClassVar[str] = "2"
 
     def __init__(
         self,

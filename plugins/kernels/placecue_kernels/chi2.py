@@ -39,7 +39,7 @@ class Chi2(DistanceKernel):
     def __init__(self, gamma: float = 2.0) -> None:
         super().__init__(gamma)
 
-    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the chi-squared distances, shape (n, m).
 
         The index of ``b`` (of ``a`` without ``b``) is kept while that object lives, so that
@@ -56,13 +56,13 @@ class Chi2(DistanceKernel):
         index = index_of(a if b is None else b)
         _check_histograms(index.smallest)
         if b is None:
-            shared = shared_within(index, Term.HARMONIC)
-            return _without_diagonal(_from_shared(shared, index.totals, index.totals))
+            common = shared_within(index, Term.HARMONIC)
+            return _without_diagonal(_from_common(common, index.totals, index.totals))
         check_same_width(a, b)
         rows = as_csr(a)
         _check_histograms(float(rows.data.min(initial=np.inf)))
-        shared = shared_between(rows, index, Term.HARMONIC)
-        return _from_shared(shared, rows.sum(axis=1), index.totals)
+        common = shared_between(rows, index, Term.HARMONIC)
+        return _from_common(common, rows.sum(axis=1), index.totals)
 
 
 def _check_histograms(smallest: float) -> None:
@@ -73,11 +73,11 @@ def _check_histograms(smallest: float) -> None:
         )
 
 
-def _from_shared(shared: Gram, a: NDArray[np.float64], b: NDArray[np.float64]) -> Gram:
-    """Return max(sum a + sum b - 4 shared, 0), in the memory of ``shared``."""
-    shared *= -4
-    shared += np.add.outer(a, b)  # one sum, so that a Gram matrix is symmetric to the last digit
-    return np.maximum(shared, 0, out=shared)
+def _from_common(common: Gram, a: NDArray[np.float64], b: NDArray[np.float64]) -> Gram:
+    """Return max(sum a + sum b - 4 common, 0), in the memory of ``common``."""
+    common *= -4
+    common += np.add.outer(a, b)  # one sum, so that a Gram matrix is symmetric to the last digit
+    return np.maximum(common, 0, out=common)
 
 
 def _without_diagonal(distances: Gram) -> Gram:

@@ -81,7 +81,7 @@ class Match(DistanceKernel):
         self.memory = memory
         self.n_jobs = n_jobs
 
-    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> MatchedDistances:
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> MatchedDistances:
         """Return the nearest squared distances both ways.
 
         Raises
@@ -101,13 +101,13 @@ class Match(DistanceKernel):
         self._match(left, right, b is None, keep)
         return MatchedDistances(from_a, from_b, left.offsets, right.offsets)
 
-    def from_distances(self, distances: MatchedDistances) -> Gram:
+    def from_shared(self, shared: MatchedDistances) -> Gram:
         """Return the kernel from the nearest distances, shape (n, m)."""
-        within = distances.from_a is distances.from_b
-        to_a = np.stack([self._average(row, distances.b) for row in distances.from_b])
+        within = shared.from_a is shared.from_b
+        to_a = np.stack([self._average(row, shared.b) for row in shared.from_b])
         if within:
             return _finished(to_a / 2 + to_a.T / 2)
-        to_b = np.stack([self._average(row, distances.a) for row in distances.from_a])
+        to_b = np.stack([self._average(row, shared.a) for row in shared.from_a])
         return np.asarray((to_a + to_b.T) / 2)
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
@@ -116,7 +116,7 @@ class Match(DistanceKernel):
         Raises
         ------
         UsageError, DataError
-            As :meth:`distances`.
+            As :meth:`shared`.
         """
         left, right = self._checked(a, b)
         gram = np.zeros((len(left), len(right)))

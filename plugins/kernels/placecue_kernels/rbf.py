@@ -28,7 +28,7 @@ class RBF(DistanceKernel):
     def __init__(self, gamma: float = 0.05) -> None:
         super().__init__(gamma)
 
-    def distances(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+    def shared(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the squared Euclidean distances, shape (n, m).
 
         Raises

@@ -40,14 +40,14 @@ def line_share(points: NDArray[np.complex128], tolerance: float, least: int) -> 
 def nearest_minima(ranges: NDArray[np.float64], cyclic: bool, depth: float) -> NDArray[np.int64]:
     """Return the beams of the two smallest local minima, shape (2,), or (0,) if there are fewer.
 
-    A flat minimum counts once, at its middle; the ends of a scan are no minima, and nor is what
-    the ranges do not rise above by ``depth`` (m) on both sides before they fall below it.
+    A flat minimum counts once, at its middle. What the ranges do not rise above by ``depth`` (m)
+    on both sides before they fall below it is none. Beyond its ends a scan counts as open, so
+    that an end can be a minimum; those of a full turn are neighbours.
     """
     # A full turn is cut open at its longest beam, which is no minimum.
     start = int(np.argmax(ranges)) if cyclic else 0
     turned = np.roll(ranges, -start)
-    path = np.append(turned, turned[0]) if cyclic else turned
-    minima, _ = find_peaks(-path, prominence=depth)
+    minima = find_peaks(-np.pad(turned, 1, constant_values=np.inf), prominence=depth)[0] - 1
     if len(minima) < 2:
         return np.empty(0, dtype=np.int64)
     order = np.argsort(turned[minima], kind="stable")[:2]

@@ -1,0 +1,96 @@
+"""What a component is and who brought it, for messages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import (
+    Distribution,
+    PackageNotFoundError,
+    distribution,
+    entry_points,
+    packages_distributions,
+)
+from typing import Any
+from weakref import WeakKeyDictionary
+
+#: What the interfaces are called, by where they are.
+INTERFACES = {
+    "placecue.cue.Cue": "cue",
+    "placecue.kernel.Kernel": "kernel",
+    "placecue.classifier.Classifier": "classifier",
+    "placecue.integrator.Integrator": "integrator",
+    "placecue.accumulator.Accumulator": "accumulator",
+    "placecue.accumulator.Boundary": "boundary",
+    "placecue.source.Source": "source",
+    "placecue.folds.FoldScheme": "folds",
+    "placecue.scaling.Scaling": "scaling",
+    "placecue.scores.Layout": "layout",
+    "placecue.logs.adapters.base.Adapter": "adapter",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """What a component is and who brought it.
+
+    Parameters
+    ----------
+    kind : str
+        Such as ``cue``.
+    name : str
+        What a config calls it, in quotes; its class where it was not loaded by name.
+    distribution, version : str
+        What was installed to get it; a module and nothing where that is not known.
+    """
+
+    kind: str
+    name: str
+    distribution: str
+    version: str = ""
+
+    def __str__(self) -> str:
+        owner = f"{self.distribution} {self.version}".rstrip()
+        return f"{self.kind} {self.name} ({owner})"
+
+
+_REMEMBERED: WeakKeyDictionary[type, Provenance] = WeakKeyDictionary()
+
+
+def remember(factory: Any, kind: str, name: str, distribution: str, version: str) -> None:
+    """Keep what the class of a component was registered as; anything but a class is passed over."""
+    if isinstance(factory, type):
+        _REMEMBERED[factory] = Provenance(kind, f"'{name}'", distribution, version)
+
+
+def provenance(component: object) -> Provenance:
+    """Return what a component is and who brought it, as far as that can be known.
+
+    Slow where the component was not loaded by name: meant for messages.
+    """
+    of_type = type(component)
+    known = _REMEMBERED.get(of_type)
+    if known is not None:
+        return known
+    owner = _owner(of_type.__module__.partition(".")[0])
+    where = (of_type.__module__, "") if owner is None else (owner.name, owner.version)
+    return Provenance(_kind(of_type), of_type.__qualname__, *where)
+
+
+def _kind(of_type: type) -> str:
+    bases = (f"{base.__module__}.{base.__qualname__}" for base in of_type.__mro__)
+    return next((INTERFACES[base] for base in bases if base in INTERFACES), "component")
+
+
+@cache
+def _owner(package: str) -> Distribution | None:
+    """Return the distribution of a top-level package, or None."""
+    # An editable install lists no packages, but its entry points name them.
+    for plugin in entry_points(group="placecue"):
+        if plugin.module.partition(".")[0] == package and plugin.dist is not None:
+            return plugin.dist
+    names = packages_distributions().get(package, [package])
+    try:
+        return distribution(names[0])
+    except (PackageNotFoundError, ValueError):
+        return None

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from cues_and_classifiers_plan import EXTENSIONS
 from numpy.typing import NDArray
+from placecue.learning.training import train
 from sklearn.base import clone
 
 from placecue.classifier import Classifier
@@ -16,7 +17,6 @@ from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, tak
 from placecue.folds import Rows
 from placecue.kernel import DistanceKernel, Gram
 from placecue.learning.samples import CueSamples, LearnedFrom
-from placecue.learning.training import train
 from placecue_classifiers.search import SCORE, best_of
 from placecue_classifiers.svm import SVM
 

@@ -17,6 +17,7 @@ import numpy as np
 from placecue import Cue, Observation, Pipeline
 from placecue.classifier import Classifier
 from placecue.features import n_samples
+from placecue.scaling import QuantileScaling
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
 from placecue_cues.laser import LaserGeometry
@@ -36,7 +37,7 @@ def cues() -> dict[str, tuple[Cue, Classifier]]:
     return {
         "crfh": (CRFH(), SVM(kernel=Chi2())),
         "sift": (SIFT(), SVM(kernel=Match())),
-        "laser": (LaserGeometry(), SVM(kernel=RBF(), scaling="quantiles")),
+        "laser": (LaserGeometry(), SVM(kernel=RBF(), scaling=QuantileScaling())),
     }
 
 

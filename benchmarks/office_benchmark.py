@@ -30,6 +30,7 @@ from sklearn.metrics import balanced_accuracy_score, recall_score
 from placecue.cue import Cue
 from placecue.evidence import StoredEvidence
 from placecue.learning.samples import Samples, collect
+from placecue.scaling import QuantileScaling
 from placecue.scores import Scores
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
@@ -98,7 +99,7 @@ class Method(NamedTuple):
 METHODS = {
     "laser": Method(
         LaserGeometry(),
-        SVM(kernel=RBF(), scaling="quantiles"),
+        SVM(kernel=RBF(), scaling=QuantileScaling()),
         {"C": [10, 100, 1000], "gamma": [0.003, 0.01, 0.03, 0.1]},
         1,
     ),

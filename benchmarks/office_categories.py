@@ -14,6 +14,7 @@ from placecue.evidence import StoredEvidence
 from placecue.learning.samples import collect
 from placecue.observation import Observation
 from placecue.pipeline import Pipeline
+from placecue.scaling import QuantileScaling
 from placecue.scores import Scores
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
@@ -46,7 +47,7 @@ def drives(world: str, every: int = 2) -> Iterator[Observation]:
 
 def main() -> None:
     """Train in ``idol2_floor``, test in ``second_floor``, print recalls."""
-    laser = SVM(kernel=RBF(gamma=0.01), C=10.0, scaling="quantiles")
+    laser = SVM(kernel=RBF(gamma=0.01), C=10.0, scaling=QuantileScaling())
     pipeline = Pipeline(
         cues={
             "crfh": (CRFH(), SVM(kernel=Chi2(gamma=1.0), C=10.0)),

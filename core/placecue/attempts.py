@@ -68,9 +68,7 @@ def attempt(ask: Callable[[Rows], T], n: int, *, skip: bool = False) -> Attempts
         return Attempts(failed={0: _unusable(error, skip)})
 
 
-def _one_by_one(
-    ask: Callable[[Rows], T], every: Rows, skip: bool, whole: Exception
-) -> Attempts[T]:
+def _one_by_one(ask: Callable[[Rows], T], every: Rows, skip: bool, whole: Exception) -> Attempts[T]:
     found: Attempts[T] = Attempts()
     for row in every:
         try:

@@ -199,7 +199,8 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
         if training.relearn is not None:
 
             def relearn(rows: Rows) -> TrainingSet:
-                return clone(self).checked(training.relearned(rows))
+                copy: Classifier = clone(self)
+                return copy.checked(training.relearned(rows))
 
         return replace(
             training,

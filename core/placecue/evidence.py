@@ -167,7 +167,9 @@ class ObservedEvidence(Evidence):
         features, rows = extracted.features, fresh[extracted.rows]
         if features is None:
             return
-        scored = attempt(lambda some: model.scores(take(features, some)), len(rows), skip=self._skip)
+        scored = attempt(
+            lambda some: model.scores(take(features, some)), len(rows), skip=self._skip
+        )
         self._note(cue, rows, scored.failed)
         for some, scores in scored.answers:
             self._values[cue][rows[some]] = scores.values
@@ -186,9 +188,7 @@ class ObservedEvidence(Evidence):
         return there
 
     def used(self, row: int) -> tuple[str, ...]:  # noqa: D102
-        return tuple(
-            cue for cue, values in self._values.items() if not np.isnan(values[row]).any()
-        )
+        return tuple(cue for cue, values in self._values.items() if not np.isnan(values[row]).any())
 
     def scores_at(self, row: int) -> dict[str, Scores]:
         """Return the scores of one observation that are there so far, one row a cue."""

@@ -18,6 +18,7 @@ from placecue.features import FeatureBatch, join, spoilt_rows
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
+from placecue.source import Source
 
 AnyCue = TypeVar("AnyCue", bound=Cue)
 T = TypeVar("T")
@@ -70,13 +71,17 @@ class Extraction:
         skip : bool
             Whether an observation at which the cue fails counts as unusable.
         """
-        ready, failed = _ready(cue, observations)
+        usable, failed = ready(cue, observations)
         asked = Extracted.of(
-            attempt(lambda rows: _asked(cue, [ready[row] for row in rows]), len(ready), skip=skip)
+            attempt(lambda rows: _asked(cue, [usable[row] for row in rows]), len(usable), skip=skip)
         )
         there = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
         failed |= {int(there[row]): error for row, error in asked.failed.items()}
         return Extracted(there[asked.rows], asked.features, failed)
+
+    def following(self, source: Source) -> Source:
+        """Return a log whose observations can be told apart by :attr:`Observation.origin`."""
+        return source
 
     def transform(self, cue: Cue, observations: Iterable[Observation]) -> FeatureBatch:
         """Return the features of observations, all of which must be usable.
@@ -127,20 +132,20 @@ def batched(items: Iterable[T], size: int) -> Iterator[list[T]]:
         yield some
 
 
-def _ready(
+def ready(
     cue: Cue, observations: Sequence[Observation]
 ) -> tuple[list[Observation], dict[int, UnusableObservation]]:
     """Return the observations whose parts are there and decode, and why the others' are not."""
-    ready, failed = [], {}
+    usable, failed = [], {}
     for row, observation in enumerate(observations):
         try:
             observation.require(cue.requires)
             if "image" in cue.requires:
                 _ = observation.image
-            ready.append(observation)
+            usable.append(observation)
         except UnusableObservation as error:
             failed[row] = error
-    return ready, failed
+    return usable, failed
 
 
 def _asked(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:

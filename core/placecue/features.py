@@ -128,14 +128,14 @@ def take(batch: FeatureBatch, rows: NDArray[np.integer] | NDArray[np.bool_]) -> 
 
 def spoilt_rows(features: FeatureBatch) -> NDArray[np.int64]:
     """Return the samples that hold a NaN or infinite number, shape (k,)."""
-    if kind_of(features) is FeatureKind.DENSE:
-        spoilt = ~np.isfinite(features).all(axis=1)
-        return np.flatnonzero(spoilt)
-    if kind_of(features) is FeatureKind.SPARSE:
-        starts, places = features.indptr, np.flatnonzero(~np.isfinite(features.data))
-    else:
+    if isinstance(features, DescriptorSets):
         starts = features.offsets
         places = np.flatnonzero(~np.isfinite(features.values).all(axis=1))
+    elif sparse.issparse(features):
+        csr = sparse.csr_array(features)
+        starts, places = csr.indptr, np.flatnonzero(~np.isfinite(csr.data))
+    else:
+        return np.flatnonzero(~np.isfinite(features).all(axis=1))
     return np.unique(np.searchsorted(starts, places, side="right") - 1)
 
 

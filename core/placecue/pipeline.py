@@ -31,7 +31,7 @@ from placecue.learning.rejection import Rejection, Unknown, choose_threshold
 from placecue.learning.samples import Samples, collect
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
-from placecue.scores import Probabilities, Scores
+from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
 

@@ -8,6 +8,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from sklearn.base import BaseEstimator
+
 from placecue.errors import UsageError, choices
 
 Matrix = NDArray[np.float64]
@@ -16,7 +18,7 @@ Matrix = NDArray[np.float64]
 _ROWS = 64
 
 
-class Scaling(ABC):
+class Scaling(BaseEstimator, ABC):  # type: ignore[misc]
     """Maps each column of a matrix by what was learned from training samples."""
 
     @abstractmethod

@@ -303,7 +303,7 @@ class Scores:
 
     def available(self) -> NDArray[np.bool_]:
         """Return which samples have scores, shape (n,); a missing one is a row of NaN."""
-        return ~np.isnan(self.values).any(axis=1)
+        return np.asarray(~np.isnan(self.values).any(axis=1))
 
     def __len__(self) -> int:
         return len(self.values)

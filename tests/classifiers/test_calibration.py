@@ -8,7 +8,7 @@ from sklearn.frozen import FrozenEstimator
 
 from placecue import DataError, OneAgainstAll, OneAgainstOne, Probabilities, Scores, UsageError
 from placecue.evaluation.reliability import draw_reliability, reliability
-from placecue.folds import InterleavedChunks
+from placecue.folds import InterleavedChunks, Shuffled
 from placecue_classifiers.calibration import calibrators, coupled, probabilities
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF
@@ -67,7 +67,7 @@ def test_coupling_bears_certainty() -> None:
 def test_probabilities_are_calibrated_on_unseen_samples(
     seen: Blobs, unseen: Blobs, multiclass: str, method: str
 ) -> None:
-    folds = {"scheme": "shuffled"}
+    folds = Shuffled()
     svm = SVM(RBF(0.01), C=1.0, multiclass=multiclass, probability=method, folds=folds).fit(*seen)
     scores = svm.scores(unseen[0])
     assert isinstance(scores.layout, Probabilities)

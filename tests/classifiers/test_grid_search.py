@@ -13,17 +13,19 @@ from sklearn.naive_bayes import GaussianNB
 
 from command_line import succeeds
 from placecue import Blocks, DataError, UsageError
-from placecue.evidence import OutOfFold
-from placecue.learning.samples import CueSamples
+from placecue.cue_model import CueModel
+from placecue.folds import ByLog
+from placecue.training_set import TrainingSet
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF
 from rooms import Rooms, write_log
+from toys import Beams
 
 Samples = tuple[np.ndarray, np.ndarray]
-BLOCKS = {"scheme": "blocks", "n_folds": 3}
+BLOCKS = Blocks(n_folds=3)
 
 
 def test_finds_what_an_exhaustive_loop_finds(seen: Samples) -> None:
@@ -57,7 +59,7 @@ def test_a_class_that_is_never_held_out_is_not_scored(seen: Samples) -> None:
     order = np.argsort(later, kind="stable")
     features, labels, later = features[order], labels[order], later[order]
     stamps = (np.arange(len(labels)) + 3600 * later) * 10**9
-    folds = {"scheme": "by_log", "only_last": True}
+    folds = ByLog(only_last=True)
     points = {"C": [0.1, 100.0], "gamma": [1e-3, 0.3]}
     own = SVM(kernel=RBF(), search=points, folds=folds).fit(features, labels, stamps)
     grid = {"C": [0.1, 100.0], "kernel__gamma": [1e-3, 0.3]}
@@ -104,9 +106,9 @@ def test_out_of_fold_scores_search_no_more(seen: Samples) -> None:
     features, labels = seen
     found = GridSearch(AdaBoost(), {"rounds": [1, 20]}, BLOCKS).fit(features, labels)
     plain = AdaBoost(rounds=found.chosen_["rounds"]).fit(features, labels)
-    assert found.chosen().get_params() == plain.get_params()
+    assert found.best().get_params() == plain.get_params()
     ours, theirs = (
-        OutOfFold(Blocks(n_folds=4)).scores(each, CueSamples(features), labels).values
+        CueModel(Beams(), each).held_out(TrainingSet(features, labels), Blocks(n_folds=4)).values
         for each in (found, plain)
     )
     assert np.array_equal(ours, theirs)
@@ -121,7 +123,6 @@ def test_out_of_fold_scores_search_no_more(seen: Samples) -> None:
         ({"search": {"rounds": 5}}, "search.rounds must be a list of values to try, got 5"),
         ({"search": {"rounds": []}}, "search.rounds must be a list of values to try"),
         ({"search": {"criterion": "gini"}}, "must be a list of values to try, got 'gini'"),
-        ({"folds": {"scheme": "block"}}, "did you mean 'blocks'?"),
     ],
 )
 def test_wrong_parameters_are_named(seen: Samples, parameters: dict[str, Any], said: str) -> None:

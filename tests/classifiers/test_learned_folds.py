@@ -5,6 +5,7 @@ Five classes throughout.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,6 +18,9 @@ from sklearn.svm import SVC
 
 from placecue import Blocks, DataError, OneAgainstAll, progress
 from placecue.classifier import Classifier
+from placecue.folds import ByLog
+from placecue.scaling import QuantileScaling, RangeScaling, StandardScaling
+from placecue.training_set import TrainingSet
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.calibration import calibrators
 from placecue_classifiers.grid_search import GridSearch
@@ -27,7 +31,7 @@ from placecue_kernels.linear import Linear
 from placecue_kernels.rbf import RBF
 
 Samples = tuple[np.ndarray, np.ndarray]
-BLOCKS = {"scheme": "blocks", "n_folds": 4}
+BLOCKS = Blocks(n_folds=4)
 
 
 class Stretched:
@@ -49,6 +53,21 @@ class Stretched:
     def everything(self) -> np.ndarray:
         return self.features / np.ptp(self.features, axis=0)
 
+    def set(self, labels: np.ndarray, stamps: np.ndarray | None = None) -> TrainingSet:
+        return learning(self, self.everything(), labels, stamps)
+
+
+def learning(
+    cue: Callable[[np.ndarray], np.ndarray],
+    features: np.ndarray,
+    labels: np.ndarray,
+    stamps: np.ndarray | None = None,
+) -> TrainingSet:
+    """The training set of a cue that learns: given rows it returns all features anew."""
+    return TrainingSet(
+        features, labels, stamps, relearn=lambda rows: learning(cue, cue(rows), labels, stamps)
+    )
+
 
 def splits(labels: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     return list(Blocks(n_folds=4).split(labels))
@@ -64,20 +83,20 @@ def pooled(peer: Any, cue: Stretched, labels: np.ndarray) -> float:
     return float(balanced_accuracy_score(labels, predicted))
 
 
-@pytest.mark.parametrize("scaling", [None, "standard"])
+@pytest.mark.parametrize("scaling", [None, StandardScaling()])
 def test_points_of_an_svm_are_those_of_scikit_learn(seen: Samples, scaling: str | None) -> None:
     features, labels = seen
     cue = Stretched(features)
     search = {"C": [0.1, 1.0, 10.0], "gamma": [0.1, 1.0]}
     svm = SVM(RBF(), search=search, scaling=scaling, folds=BLOCKS)
-    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    svm.train(cue.set(labels))
     for point, accuracy in enumerate(svm.search_["balanced_accuracy"]):
         gamma, cost = svm.search_["gamma"][point], svm.search_["C"][point]
         peer = OneVsRestClassifier(SVC(gamma=gamma, C=cost, class_weight="balanced"))
         if scaling is not None:
             peer = make_pipeline(StandardScaler(), peer)
         assert accuracy == pytest.approx(pooled(peer, cue, labels))
-    plain = svm.chosen().fit(cue.everything(), labels)
+    plain = svm.best().fit(cue.everything(), labels)
     assert np.array_equal(plain.scores(features).values, svm.scores(features).values)
 
 
@@ -86,7 +105,7 @@ def test_an_svm_asks_for_the_training_rows_of_each_fold(seen: Samples, kernel: A
     features, labels = seen
     cue = Stretched(features)
     svm = SVM(kernel, search={"C": [1.0, 10.0]}, probability="sigmoid", folds=BLOCKS)
-    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    svm.train(cue.set(labels))
     expected = 2 * [training.tolist() for training, _ in splits(labels)]  # search, calibration
     assert [rows.tolist() for rows in cue.calls] == expected
 
@@ -105,8 +124,8 @@ def test_scaling_and_kernel_learn_from_the_training_rows_of_each_fold(seen: Samp
     features, labels = seen
     cue = Stretched(features)
     Noting.fitted_on.clear()
-    svm = SVM(Noting(), search={"C": [1.0, 10.0]}, scaling="standard", folds=BLOCKS)
-    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    svm = SVM(Noting(), search={"C": [1.0, 10.0]}, scaling=StandardScaling(), folds=BLOCKS)
+    svm.train(cue.set(labels))
     rows = [training for training, _ in splits(labels)]
     expected = [StandardScaler().fit_transform(cue(each)[each]) for each in rows]
     expected.append(StandardScaler().fit_transform(cue.everything()))
@@ -119,15 +138,13 @@ def test_every_parameter_is_searched_in_features_of_the_fold(seen: Samples, kern
     features, labels = seen
     cue = Stretched(features)
     gamma = "gamma" if isinstance(kernel, RBF) else "kernel__kernels__0__gamma"
-    tried = {"scaling": ["standard", "range"], gamma: [0.01, 3.0], "C": [0.1, 10.0]}
-    svm = SVM(kernel, search=tried, folds=BLOCKS).fit_on_learned(
-        cue.everything(), labels, None, cue
-    )
+    tried = {"scaling": [StandardScaling(), RangeScaling()], gamma: [0.01, 3.0], "C": [0.1, 10.0]}
+    svm = SVM(kernel, search=tried, folds=BLOCKS).train(cue.set(labels))
     points = {}
     for scaling in tried["scaling"]:
         for value in tried[gamma]:
             one = SVM(kernel, search={**tried, "scaling": [scaling], gamma: [value]}, folds=BLOCKS)
-            found = one.fit_on_learned(cue.everything(), labels, None, cue).search_
+            found = one.train(cue.set(labels)).search_
             for cost, accuracy in zip(found["C"], found["balanced_accuracy"], strict=True):
                 points[scaling, value, cost] = accuracy
     assert len(set(points.values())) > 4
@@ -138,18 +155,18 @@ def test_every_parameter_is_searched_in_features_of_the_fold(seen: Samples, kern
 def test_calibrated_with_what_was_chosen(seen: Samples) -> None:
     features, labels = seen
     cue = Stretched(features)
-    search = {"gamma": [0.5], "C": [3.0], "scaling": ["standard"]}
+    search = {"gamma": [0.5], "C": [3.0], "scaling": [StandardScaling()]}
     svm = SVM(RBF(100.0), search=search, probability="sigmoid", folds=BLOCKS)
-    svm.fit_on_learned(cue.everything(), labels, None, cue)
-    plain = SVM(RBF(0.5), C=3.0, scaling="standard", probability="sigmoid", folds=BLOCKS)
-    plain.fit_on_learned(cue.everything(), labels, None, cue)
+    svm.train(cue.set(labels))
+    plain = SVM(RBF(0.5), C=3.0, scaling=StandardScaling(), probability="sigmoid", folds=BLOCKS)
+    plain.train(cue.set(labels))
     assert np.array_equal(np.array(svm.calibrators_), np.array(plain.calibrators_))
 
 
 def test_a_plain_svm_asks_for_nothing(seen: Samples) -> None:
     features, labels = seen
     cue = Stretched(features)
-    learned = SVM(RBF(0.1)).fit_on_learned(cue.everything(), labels, None, cue)
+    learned = SVM(RBF(0.1)).train(cue.set(labels))
     plain = SVM(RBF(0.1)).fit(cue.everything(), labels)
     assert not cue.calls
     assert np.array_equal(learned.scores(features).values, plain.scores(features).values)
@@ -159,7 +176,7 @@ def test_calibration_learns_from_features_of_each_fold(seen: Samples) -> None:
     features, labels = seen
     cue = Stretched(features)
     svm = SVM(RBF(1.0), C=1.0, probability="sigmoid", folds=BLOCKS)
-    svm.fit_on_learned(cue.everything(), labels, None, cue)
+    svm.train(cue.set(labels))
     outputs, codes = [], []
     for training, held_out in splits(labels):
         of_fold = cue(training)
@@ -178,9 +195,9 @@ def test_trained_on_the_first_sequence(seen: Samples, unseen: Samples) -> None:
     first = len(seen[1])
     stamps = (np.arange(len(labels)) + 7200 * (np.arange(len(labels)) >= first)) * 10**9
     cue = Stretched(features)
-    folds = {"scheme": "by_log", "only_last": True}
+    folds = ByLog(only_last=True)
     svm = SVM(RBF(1.0), search={"C": [0.1, 1.0, 10.0]}, folds=folds, refit=False)
-    svm.fit_on_learned(cue.everything(), labels, stamps, cue)
+    svm.train(cue.set(labels, stamps))
     [asked] = cue.calls
     assert asked.tolist() == list(range(first))
     plain = SVM(RBF(1.0), C=svm.chosen_["C"]).fit(cue.everything()[:first], labels[:first])
@@ -193,7 +210,7 @@ def test_grid_search_finds_what_a_loop_finds(seen: Samples) -> None:
     # What spreads is what a stump does not look at: shift the features instead.
     shift = lambda rows: features - features[rows].mean(axis=0)  # noqa: E731
     found = GridSearch(AdaBoost(), {"rounds": [1, 5, 20]}, BLOCKS)
-    found.fit_on_learned(shift(np.arange(len(labels))), labels, None, shift)
+    found.train(learning(shift, shift(np.arange(len(labels))), labels))
     expected = []
     for rounds in (1, 5, 20):
         predicted = np.empty_like(labels)
@@ -210,9 +227,9 @@ def test_grid_search_finds_what_a_loop_finds(seen: Samples) -> None:
 def test_folds_inside_folds_learn_from_their_own_rows(seen: Samples) -> None:
     features, labels = seen
     cue = Stretched(features)
-    inner = SVM(RBF(1.0), probability="sigmoid", folds={"scheme": "blocks", "n_folds": 2})
+    inner = SVM(RBF(1.0), probability="sigmoid", folds=Blocks(n_folds=2))
     search = GridSearch(inner, {"C": [1.0, 10.0]}, BLOCKS)
-    search.fit_on_learned(cue.everything(), labels, None, cue)
+    search.train(cue.set(labels))
     expected = []
     for training, _ in splits(labels):
         nested = [training[rows] for rows, _ in Blocks(n_folds=2).split(labels[training])]
@@ -226,7 +243,7 @@ def test_folds_inside_folds_are_cut_along_the_stamps(seen: Samples) -> None:
     log = np.arange(len(labels)) // len(seen[1])
     stamps = (np.arange(len(labels)) + 7200 * log) * 10**9
     cue = Stretched(features)
-    inner = SVM(RBF(1.0), probability="sigmoid", folds={"scheme": "by_log"})
+    inner = SVM(RBF(1.0), probability="sigmoid", folds=ByLog())
     told: list[tuple[str, int]] = []
 
     def report(items: Any, what: str, total: int) -> Any:
@@ -235,8 +252,8 @@ def test_folds_inside_folds_are_cut_along_the_stamps(seen: Samples) -> None:
 
     token = progress._reporter.set(report)
     try:
-        search = GridSearch(inner, {"C": [1.0, 10.0]}, {"scheme": "by_log", "n_folds": 3})
-        search.fit_on_learned(cue.everything(), labels, stamps, cue)
+        search = GridSearch(inner, {"C": [1.0, 10.0]}, ByLog(n_folds=3))
+        search.train(cue.set(labels, stamps))
     finally:
         progress._reporter.reset(token)
     assert told[0] == ("searching parameters", 6)
@@ -249,7 +266,7 @@ def test_a_search_inside_a_search_is_made_once(seen: Samples) -> None:
     features, labels = seen
     inner = SVM(RBF(), search={"gamma": [0.01, 0.1]}, folds=BLOCKS)
     search = GridSearch(inner, {"C": [1.0, 10.0]}, BLOCKS).fit(features, labels)
-    chosen = search.chosen()
+    chosen = search.best()
     assert chosen.search is None
     assert (chosen.C, chosen.kernel.gamma) == (
         search.chosen_["C"],
@@ -269,7 +286,7 @@ def memorised(rows: np.ndarray, labels: np.ndarray) -> np.ndarray:
     "classifier",
     [
         SVM(RBF(1.0), search={"C": [1.0, 100.0], "gamma": [0.1, 1.0]}),
-        SVM(RBF(1.0), search={"C": [1.0, 100.0], "scaling": ["quantiles", "range"]}),
+        SVM(RBF(1.0), search={"C": [1.0, 100.0], "scaling": [QuantileScaling(), RangeScaling()]}),
         GridSearch(AdaBoost(), {"rounds": [5, 20]}),
     ],
     ids=["svm", "scaled", "grid_search"],
@@ -279,7 +296,7 @@ def test_learning_by_heart_gains_nothing(seen: Samples, classifier: Classifier) 
     features = memorised(np.arange(len(labels)), labels)
     shared = classifier.fit(features, labels).search_["balanced_accuracy"]
     assert max(shared) == 1
-    classifier.fit_on_learned(features, labels, None, lambda rows: memorised(rows, labels))
+    classifier.train(learning(lambda rows: memorised(rows, labels), features, labels))
     assert max(classifier.search_["balanced_accuracy"]) < 0.3
     assert (classifier.predict(features) == labels).all()
 
@@ -290,4 +307,4 @@ def test_features_of_a_fold_are_checked(seen: Samples) -> None:
     for classifier in (svm, GridSearch(AdaBoost(), {"rounds": [1, 2]})):
         for spoilt, said in ((features * np.nan, "NaN"), (features[:-1], "inconsistent numbers")):
             with pytest.raises(DataError, match=said):
-                classifier.fit_on_learned(features, labels, None, lambda rows: spoilt)  # noqa: B023
+                classifier.train(learning(lambda rows: spoilt, features, labels))  # noqa: B023

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from placecue import Blocks, DescriptorSets, FeatureBatch, InterleavedChunks, Kernel
+from placecue import Blocks, DescriptorSets, FeatureBatch, Kernel
 from placecue.classifier import Classifier
-from placecue.evidence import OutOfFold
-from placecue.learning.samples import CueSamples
+from placecue.cue_model import CueModel
+from placecue.scaling import QuantileScaling
+from placecue.training_set import TrainingSet
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
@@ -19,6 +20,7 @@ from placecue_kernels.hi import HistogramIntersection
 from placecue_kernels.linear import Linear
 from placecue_kernels.match import Match
 from placecue_kernels.rbf import RBF
+from toys import Beams
 
 Samples = tuple[np.ndarray, np.ndarray]
 
@@ -35,6 +37,10 @@ def descriptors(features: np.ndarray) -> DescriptorSets:
     return DescriptorSets(values, np.arange(0, len(values) + 1, 3))
 
 
+def of_model(classifier: Classifier) -> CueModel:
+    return CueModel(Beams(), classifier)
+
+
 def both_ways(svm: SVM, features: FeatureBatch, labels: np.ndarray) -> tuple[np.ndarray, ...]:
     """Out-of-fold scores by the SVM's own way and by that of any classifier."""
     stamps = np.arange(len(labels)) * 10**9
@@ -42,8 +48,8 @@ def both_ways(svm: SVM, features: FeatureBatch, labels: np.ndarray) -> tuple[np.
     found = []
     for way in (svm.out_of_fold, super(SVM, svm).out_of_fold):
         values = np.full((len(labels), len(svm.layout_.columns)), np.nan)
-        for held_out, scores in way(features, labels, stamps, splits):
-            values[held_out] = scores
+        for held_out, scores in way(TrainingSet(features, labels, stamps), splits):
+            values[held_out] = scores.values
         assert np.isfinite(values).all()
         found.append(values)
     return tuple(found)
@@ -74,7 +80,7 @@ def test_equals_copies_fitted_in_each_fold(
 @pytest.mark.parametrize("probability", ["sigmoid", "isotonic"])
 def test_probabilities_are_calibrated_inside_each_fold(seen: Samples, probability: str) -> None:
     features, labels = seen
-    folds = {"scheme": "blocks", "n_folds": 3}
+    folds = Blocks(n_folds=3)
     svm = SVM(kernel=RBF(0.01), probability=probability, folds=folds).fit(features, labels)
     shared, anew = both_ways(svm, features, labels)
     np.testing.assert_allclose(shared, anew, rtol=0, atol=1e-4)
@@ -104,14 +110,14 @@ def test_the_gram_matrix_is_computed_once_for_all_folds(seen: Samples) -> None:
     features, labels = seen
     svm = SVM(kernel=Counting(0.01)).fit(features, labels)
     Counting.calls = 0
-    OutOfFold(InterleavedChunks()).scores(svm, CueSamples(features), labels)
+    of_model(svm).held_out(TrainingSet(features, labels))
     assert Counting.calls == 1
 
 
 @pytest.mark.parametrize(
     "svm",
     [
-        SVM(kernel=RBF(0.01), scaling="quantiles"),
+        SVM(kernel=RBF(0.01), scaling=QuantileScaling()),
         SVM(kernel=HistogramIntersection()),
         SVM(kernel=Sum([RBF(0.01), HistogramIntersection()])),
     ],
@@ -128,7 +134,7 @@ def test_any_classifier_is_fitted_on_the_other_folds(seen: Samples) -> None:
     features, labels = seen
     classifier: Classifier = AdaBoost(rounds=5).fit(features, labels)
     splits = list(Blocks(n_folds=4).split(labels))
-    scored = OutOfFold(Blocks(n_folds=4)).scores(classifier, CueSamples(features), labels)
+    scored = of_model(classifier).held_out(TrainingSet(features, labels), Blocks(n_folds=4))
     for training, held_out in splits:
         copy = AdaBoost(rounds=5).fit(features[training], labels[training])
         expected = copy.scores(features[held_out]).values

@@ -11,7 +11,8 @@ from sklearn.svm import SVC
 
 from placecue import DataError, OneAgainstOne, UsageError, progress
 from placecue.evaluation.search_figure import draw_search, search_rows, search_table
-from placecue.folds import Blocks
+from placecue.folds import Blocks, ByLog
+from placecue.scaling import RangeScaling, StandardScaling
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.linear import Linear
@@ -40,7 +41,7 @@ def test_every_combination_is_tried_and_the_best_is_taken(seen: Blobs) -> None:
         "multiclass": ["oaa", "oao", "modified_oaa"],
         "C": [1, 100],
         "gamma": [0.001, 0.01],
-        "scaling": [None, "standard"],
+        "scaling": [None, StandardScaling()],
         "class_weight": ["balanced", None],
     }
     svm = SVM(RBF(), search=tried).fit(*seen)
@@ -49,7 +50,7 @@ def test_every_combination_is_tried_and_the_best_is_taken(seen: Blobs) -> None:
     assert len({tuple(str(table[name][i]) for name in tried) for i in range(48)}) == 48
     best = int(np.argmax(table["balanced_accuracy"]))
     assert svm.chosen_ == {name: table[name][best] for name in tried}
-    again = svm.chosen().fit(*seen)
+    again = svm.best().fit(*seen)
     assert again.search is None
     assert (again.scores(seen[0]).values == svm.scores(seen[0]).values).all()
     assert again.layout_ == svm.layout_
@@ -58,7 +59,7 @@ def test_every_combination_is_tried_and_the_best_is_taken(seen: Blobs) -> None:
 @pytest.mark.parametrize("multiclass", ["oaa", "oao"])
 def test_points_are_those_of_scikit_learn_in_the_same_folds(seen: Blobs, multiclass: str) -> None:
     features, labels = seen
-    folds = {"scheme": "blocks", "n_folds": 4}
+    folds = Blocks(n_folds=4)
     costs, gammas = [1.0, 10.0, 100.0], [0.003, 0.03]
     search = {"C": costs, "gamma": gammas}
     svm = SVM(RBF(), multiclass=multiclass, search=search, folds=folds).fit(features, labels)
@@ -95,14 +96,18 @@ def test_a_kernel_without_gamma_is_computed_once(seen: Blobs) -> None:
             return super().gram(a, b)
 
     tried = {"C": [0.01, 0.1, 1.0], "multiclass": ["oaa", "oao"]}
-    svm = SVM(Counted(), search=tried, probability="isotonic", scaling="standard").fit(*seen)
+    svm = SVM(Counted(), search=tried, probability="isotonic").fit(*seen)
     assert len(made) == 1
     svm.scores(seen[0])
     assert len(made) == 2
+    # A scaling learns from the training rows of each fold: in the search, and in calibration.
+    made.clear()
+    SVM(Counted(), search=tried, probability="isotonic", scaling=StandardScaling()).fit(*seen)
+    assert len(made) == 1 + 5 + 5
 
 
 def test_a_kernel_without_gamma_is_searched_for_its_other_parameters(seen: Blobs) -> None:
-    svm = SVM(Linear(), search={"C": [0.01, 1.0]}, scaling="standard").fit(*seen)
+    svm = SVM(Linear(), search={"C": [0.01, 1.0]}, scaling=StandardScaling()).fit(*seen)
     assert list(svm.search_) == ["C", "balanced_accuracy"]
     with pytest.raises(UsageError, match="cannot vary 'kernel__power'"):
         SVM(Linear(), search={"kernel__power": [2]}).fit(*seen)
@@ -117,11 +122,12 @@ def test_progress_is_told_of(seen: Blobs) -> None:
 
     token = progress._reporter.set(report)
     try:
-        tried = {"C": [1, 100], "gamma": [0.001, 0.01, 0.1], "scaling": ["range", None]}
+        tried = {"C": [1, 100], "gamma": [0.001, 0.01, 0.1], "scaling": [RangeScaling(), None]}
         SVM(RBF(), search=tried, probability="isotonic").fit(*seen)
     finally:
         progress._reporter.reset(token)
-    assert told == [("searching parameters", 6), ("calibrating", 5)]
+    # Scalings are learned in each of five folds: so many matrices of three gammas, twice.
+    assert told == [("searching parameters", 30), ("calibrating", 5)]
 
 
 def test_threads_find_the_same(seen: Blobs) -> None:
@@ -138,7 +144,7 @@ def test_parameters_are_picked_on_the_second_sequence(seen: Blobs, unseen: Blobs
     first, second = np.arange(len(seen[1])), np.arange(len(unseen[1]))
     stamps = np.concatenate([first, second + 7200]) * SECOND
     costs = [0.1, 1.0, 10.0, 100.0]
-    folds = {"scheme": "by_log", "only_last": True}
+    folds = ByLog(only_last=True)
     svm = SVM(RBF(0.01), search={"C": costs}, folds=folds).fit(features, labels, stamps)
     for cost, accuracy in zip(costs, svm.search_["balanced_accuracy"], strict=True):
         peer = OneVsRestClassifier(SVC(gamma=0.01, C=cost, class_weight="balanced")).fit(*seen)
@@ -155,7 +161,7 @@ def test_trained_on_the_first_sequence_picked_on_the_second(
     first, second = np.arange(len(seen[1])), np.arange(len(unseen[1]))
     stamps = np.concatenate([first, second + 7200]) * SECOND
     tried = {"C": [0.1, 1.0, 10.0], "gamma": [0.001, 0.01]}
-    both = {"multiclass": multiclass, "folds": {"scheme": "by_log", "only_last": True}}
+    both = {"multiclass": multiclass, "folds": ByLog(only_last=True)}
     svm = SVM(RBF(), search=tried, refit=False, **both).fit(features, labels, stamps)
     alone = SVM(RBF(svm.kernel_.gamma), C=svm.C_, multiclass=multiclass).fit(*seen)
     assert svm.scores(unseen[0]).values == pytest.approx(alone.scores(unseen[0]).values, abs=1e-9)
@@ -165,7 +171,7 @@ def test_trained_on_the_first_sequence_picked_on_the_second(
     # With refit the second sequence is learned from too.
     refitted = SVM(RBF(), search=tried, **both).fit(features, labels, stamps)
     assert len(refitted.support_features_) > len(svm.support_features_)
-    again = svm.chosen()
+    again = svm.best()
     assert (again.search, again.refit, again.C) == (None, True, svm.C_)
 
 
@@ -211,7 +217,9 @@ def test_bad_samples_are_named(seen: Blobs) -> None:
     with pytest.raises(DataError, match="is not finite: they are too large"):
         SVM(RBF()).fit(features * 1e200, labels)
     few = np.concatenate([np.flatnonzero(labels == name)[:2] for name in np.unique(labels)])
-    small = SVM(RBF(), search=tried, folds={"n_folds": 5}).fit(features[few], labels[few])
+    small = SVM(RBF(), search=tried, folds=InterleavedChunks(n_folds=5)).fit(
+        features[few], labels[few]
+    )
     assert len(small.search_["C"]) == 1
     with pytest.raises(UsageError, match="takes dense vector, got sparse histogram"):
         SVM(RBF()).fit(sparse.csr_array(features), labels)
@@ -222,7 +230,16 @@ def test_bad_samples_are_named(seen: Blobs) -> None:
 # ---------------------------------------------------------------------- table and heat map
 
 RESULTS = {
-    "scaling": [None, None, None, None, "range", "range", "range", "range"],
+    "scaling": [
+        None,
+        None,
+        None,
+        None,
+        RangeScaling(),
+        RangeScaling(),
+        RangeScaling(),
+        RangeScaling(),
+    ],
     "gamma": [0.1, 0.1, 1.0, 1.0] * 2,
     "C": [1, 100] * 4,
     "balanced_accuracy": [0.5, 0.6, 0.7, 0.65, 0.4, 0.9, 0.3, 0.2],
@@ -231,8 +248,8 @@ RESULTS = {
 
 def test_the_table_begins_with_the_best() -> None:
     rows = search_rows(RESULTS)
-    assert rows[0] == ["range", "0.1", "100", "90.0"]
-    assert rows[-1] == ["range", "1", "100", "20.0"]
+    assert rows[0] == ["RangeScaling()", "0.1", "100", "90.0"]
+    assert rows[-1] == ["RangeScaling()", "1", "100", "20.0"]
     lines = search_table(RESULTS).splitlines()
     assert lines[0] == "| scaling | gamma | C | balanced accuracy (%) |"
     assert lines[3] == "| - | 1 | 1 | 70.0 |"

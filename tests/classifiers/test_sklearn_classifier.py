@@ -12,6 +12,8 @@ from sklearn.tree import DecisionTreeClassifier
 
 from placecue import DataError, DescriptorSets, OneAgainstAll, Pipeline, Probabilities, UsageError
 from placecue import estimators as allowed
+from placecue.folds import Blocks
+from placecue.scaling import RangeScaling, StandardScaling
 from placecue.storage.model import load_model, save_model
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.scikit_learn import ScikitLearn
@@ -69,12 +71,14 @@ def test_sparse_histograms_lose_their_empty_columns(seen: Blobs) -> None:
     "classifier",
     [
         ScikitLearn(params={"n_estimators": 10}),
-        ScikitLearn("sklearn.neural_network.MLPClassifier", {"max_iter": 300}, scaling="standard"),
+        ScikitLearn(
+            "sklearn.neural_network.MLPClassifier", {"max_iter": 300}, scaling=StandardScaling()
+        ),
         AdaBoost(rounds=10),
         AdaBoost(rounds=10, output="probability"),
         SVM(kernel=RBF(0.1), probability="sigmoid", multiclass="oao"),
         SVM(kernel=RBF(0.1), probability="isotonic", multiclass="modified_oaa"),
-        SVM(RBF(), search={"C": [1.0], "scaling": ["range", None]}, folds={"scheme": "blocks"}),
+        SVM(RBF(), search={"C": [1.0], "scaling": [RangeScaling(), None]}, folds=Blocks()),
     ],
     ids=lambda each: type(each).__name__,
 )

@@ -16,7 +16,7 @@ from placecue import (
     UnusableObservation,
     UsageError,
 )
-from placecue.evidence import OutOfFold
+from placecue.cue_model import CueModel
 from placecue.learning.samples import collect
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF
@@ -49,10 +49,12 @@ def test_evidence_extracts_only_what_is_asked_for(fitted: Pipeline) -> None:
     walk = [Walk().at(number) for number in range(5)]
     evidence = ObservedEvidence(walk, fitted.cues)
     assert evidence.layout("brightness").classes == PLACES
-    evidence.scores("beams", np.array([1, 3]))
+    some = evidence.take(np.array([1, 3]))
+    assert len(some.scores("beams")) == 2
     assert [evidence.used(row) for row in range(4)] == [(), ("beams",), (), ("beams",)]
+    assert some.used(0) == ("beams",)
     assert all(observation._decoded is None for observation in walk)
-    evidence.scores("brightness", [2])
+    evidence.take([2]).scores("brightness")
     assert evidence.used(2) == ("brightness",)
     with pytest.raises(UsageError, match="did you mean 'beams'"):
         evidence.scores("beam")
@@ -67,21 +69,14 @@ def test_out_of_fold_scores_come_from_models_that_have_not_seen_the_sample() -> 
             seen.append({observation.stamp for observation in kept})
             return super().fit(kept, labels)
 
-    samples = collect(Walk(), {"brightness": Watched()})
+    model = CueModel(Watched(), SVM(kernel=RBF(gamma=0.001)))
+    samples = collect(Walk(), {"brightness": model.cue})
     labels, stamps = samples.labels, samples.stamps
-    classifier = SVM(kernel=RBF(gamma=0.001)).fit(
-        samples.learned_from("brightness", Watched(), np.arange(len(samples))).features,
-        labels,
-        stamps,
-    )
+    training = samples.training_set("brightness", model.cue)
+    model.fit(training)
     folds = InterleavedChunks()
     seen.clear()
-    scores = OutOfFold(folds).scores(
-        classifier,
-        lambda rows: samples.learned_from("brightness", Watched(), rows),
-        labels,
-        stamps,
-    )
+    scores = model.held_out(training, folds)
     assert len(scores) == len(samples)
     for (_, held_out), stamps_seen in zip(folds.split(labels, stamps), seen, strict=True):
         assert not stamps_seen & set(stamps[held_out].tolist())

@@ -1,4 +1,4 @@
-"""Altered copies of observations are trained on, and never scored."""
+"""Augmented copies of observations are trained on, and never scored."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from placecue import (
     UsageError,
 )
 from placecue.classifier import Classifier
-from placecue.evidence import OutOfFold
+from placecue.cue_model import CueModel
 from placecue.learning.samples import collect
+from placecue.scaling import RangeScaling
 from placecue_classifiers.svm import SVM
 from placecue_cues.laser import LaserGeometry
 from placecue_integrators.svm_das import SVMDAS
@@ -38,14 +39,14 @@ def scaled(observation: Observation, factor: float) -> Observation:
 class Doubled(toys.Beams):
     """Training also sees everything at half and twice the size."""
 
-    def alterations(self) -> list[partial[Observation]]:
+    def augmentations(self) -> list[partial[Observation]]:
         return [partial(scaled, factor=factor) for factor in (0.5, 2.0)]
 
 
 class LearningDoubled(toys.Brightness):
     """An image cue that learns, and doubles its samples."""
 
-    def alterations(self) -> list[object]:
+    def augmentations(self) -> list[object]:
         return [lambda each: each.altered("negative", image=255 - each.image)]
 
 
@@ -64,7 +65,7 @@ class Noting(Classifier):
         self.asked.append(features)
         return Scores(np.zeros((len(features), len(self.layout_.classes))), self.layout_)
 
-    def chosen(self) -> Noting:
+    def best(self) -> Noting:
         return Noting()
 
 
@@ -93,11 +94,10 @@ def test_each_sample_is_followed_by_its_copies(noting: Noting) -> None:
 
 def test_held_out_samples_are_scored_as_recorded(noting: Noting) -> None:
     samples = collect(Walk(), {"beams": Doubled()})
-    folds, cue = InterleavedChunks(), Doubled()
-    noting.fit(samples.extracted["beams"].features, samples.labels)
+    folds, model = InterleavedChunks(), CueModel(Doubled(), noting)
+    model.fit(samples.training_set("beams", model.cue))
     Noting.trained.clear()
-    of_cue = samples.of_cue("beams", cue)
-    OutOfFold(folds).scores(noting, of_cue, samples.labels, samples.stamps)
+    model.held_out(samples.training_set("beams", model.cue), folds)
     every = list(Walk())
     splits = folds.split(samples.labels, samples.stamps)
     for (training, held_out), (features, _, _), asked in zip(
@@ -159,7 +159,7 @@ def test_a_scale_that_cannot_be(wrong: float) -> None:
 def test_two_cues_one_of_which_has_copies() -> None:
     cues: dict[str, tuple[Cue, Classifier]] = {
         "beams": (Doubled(), SVM(kernel=RBF(gamma=0.1), search={"C": [1, 10]})),
-        "brightness": (toys.Brightness(), SVM(kernel=RBF(gamma=0.001), scaling="range")),
+        "brightness": (toys.Brightness(), SVM(kernel=RBF(gamma=0.001), scaling=RangeScaling())),
     }
     pipeline = Pipeline(cues, SVMDAS(SVM(kernel=RBF(gamma=0.3), multiclass="oao"))).fit(Walk())
     beliefs = list(pipeline.beliefs(Walk(seed=1)))

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from placecue.learning.training import train
 
 import toys
 from caching import CALLS, REGISTRY, Learning
 from placecue import Cue, DataError, Observation, Pipeline
 from placecue.classifier import Classifier
 from placecue.learning.samples import CueSamples, collect
-from placecue.learning.training import train
 from placecue.storage.feature_cache import FeatureCache
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.scikit_learn import ScikitLearn

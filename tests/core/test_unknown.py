@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from placecue.learning.held_out import HeldOut
 from sklearn.base import clone
 
 from placecue import (
@@ -18,7 +19,6 @@ from placecue import (
 )
 from placecue.components.pipelines import build_unknown
 from placecue.evaluation.tally import Tally
-from placecue.learning.held_out import HeldOut
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF

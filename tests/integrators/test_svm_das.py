@@ -53,11 +53,11 @@ def test_together_is_better_than_either_cue(
 ) -> None:
     evidence, labels = labelled
     fit, test = np.arange(0, 200, 2), np.arange(1, 200, 2)
-    half = StoredEvidence({cue: evidence.scores(cue, fit) for cue in evidence.cues})
+    half = evidence.take(fit)
     das = SVMDAS(classifier=SVM(kernel=Linear(), C=1.0, multiclass="oao")).fit(half, labels[fit])
-    integrated = np.mean(das.integrate(evidence, test).decide().labels == labels[test])
+    integrated = np.mean(das.integrate(evidence.take(test)).decide().labels == labels[test])
     alone = [
-        np.mean(evidence.scores(cue, test).decide().labels == labels[test]) for cue in evidence.cues
+        np.mean(evidence.scores(cue)[test].decide().labels == labels[test]) for cue in evidence.cues
     ]
     assert integrated > max(alone)
 

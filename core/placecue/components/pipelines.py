@@ -76,8 +76,11 @@ def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
     scheme = next(name for name, kind in FOLD_SCHEMES.items() if kind is type(pipeline.folds))
     return {
         "cues": {
-            name: {**describe(cue, registry), "classifier": describe(classifier, registry)}
-            for name, (cue, classifier) in pipeline.cues.items()
+            name: {
+                **describe(model.cue, registry),
+                "classifier": describe(model.classifier, registry),
+            }
+            for name, model in pipeline.cues.items()
         },
         "integrator": None if isinstance(integrator, OnlyCue) else describe(integrator, registry),
         "folds": {"scheme": scheme, **asdict(pipeline.folds)},

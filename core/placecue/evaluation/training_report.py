@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from placecue.evaluation.reliability import Reliability, draw_reliability, reliability
 from placecue.evaluation.search_figure import SCORE, Results, draw_search, search_table
 from placecue.evaluation.tally import INTEGRATED
-from placecue.integrator import OnlyCue
-from placecue.learning.held_out import HeldOut
 from placecue.pipeline import Pipeline
 from placecue.scores import Probabilities, Scores
 from placecue.storage.atomic import write_text
@@ -84,34 +84,37 @@ def searches(pipeline: Pipeline) -> dict[str, Results]:
     A classifier that searched has them as ``search_``: one list for each parameter, and one of
     ``balanced_accuracy``.
     """
-    models: dict[str, Any] = {name: each for name, (_, each) in pipeline.cues.items()}
+    models: dict[str, Any] = {name: each.classifier for name, each in pipeline.cues.items()}
     models[INTEGRATOR] = getattr(pipeline.integrator, "classifier_", None)
     found = {name: getattr(model, "search_", None) for name, model in models.items()}
     return {name: results for name, results in found.items() if results and SCORE in results}
 
 
 def held_out_reliability(pipeline: Pipeline) -> dict[str, Reliability]:
-    """Return the reliability of each classifier that gives probabilities, on held-out samples.
+    """Return the reliability of each classifier that gives probabilities.
 
-    By the name of the cue, or ``integrated``. Empty after loading a model.
+    On samples held out of everything: cues, searches and integrator. By the name of the cue, or
+    ``integrated``; empty after loading a model.
     """
-    held_out = pipeline.held_out_
-    if held_out is None:
-        return {}
-    measured = {}
-    for cue in held_out.evidence.cues:
-        if isinstance(held_out.evidence.layout(cue), Probabilities):
-            measured[cue] = reliability(held_out.evidence.scores(cue), held_out.labels)
-    if not isinstance(pipeline.integrator, OnlyCue):
-        measured.update(_integrated(pipeline, held_out))
-    return measured
+    judged = pipeline.judged_ or []
+    found: dict[str, list[tuple[Scores, NDArray[np.str_]]]] = {}
+    for part in judged:
+        for cue in part.evidence.cues:
+            found.setdefault(cue, []).append((part.evidence.scores(cue), part.labels))
+        if pipeline.integrates:
+            found.setdefault(INTEGRATED, []).append((part.scores, part.labels))
+    return {
+        name: reliability(*_joined(parts))
+        for name, parts in found.items()
+        if isinstance(parts[0][0].layout, Probabilities)
+    }
 
 
-def _integrated(pipeline: Pipeline, held_out: HeldOut) -> dict[str, Reliability]:
-    layout = pipeline.integrator.integrate(held_out.evidence, np.zeros(1, dtype=np.int64)).layout
-    if not isinstance(layout, Probabilities):
-        return {}
-    scored = held_out.integrated(pipeline.integrator, pipeline.folds)
-    rows = np.concatenate([rows for rows, _ in scored])
-    values = np.concatenate([scores.values for _, scores in scored])
-    return {INTEGRATED: reliability(Scores(values, layout), held_out.labels[rows])}
+def _joined(
+    parts: Sequence[tuple[Scores, NDArray[np.str_]]],
+) -> tuple[Scores, NDArray[np.str_]]:
+    """Return the scores of all parts as one, without gaps, and the labels that go with them."""
+    there = [scores.available() for scores, _ in parts]
+    values = np.concatenate([s.values[rows] for (s, _), rows in zip(parts, there, strict=True)])
+    labels = np.concatenate([each[rows] for (_, each), rows in zip(parts, there, strict=True)])
+    return Scores(values, parts[0][0].layout), labels

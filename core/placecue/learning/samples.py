@@ -148,7 +148,8 @@ class _Gathered:
         self, observations: Sequence[Observation]
     ) -> tuple[list[tuple[Rows, FeatureBatch | None]], dict[int, UnusableObservation]]:
         """Return (rows, features) of each view, and why observations are unusable, by row."""
-        found, failed = [], {}
+        found = []
+        failed: dict[int, UnusableObservation] = {}
         for augment in self.views:
             seen = observations if augment is None else [*map(augment, observations)]
             extracted = self.extraction.extract(self.cue, seen, skip=self.skip)
@@ -268,7 +269,8 @@ def _extract(
     gathered: Sequence[_Gathered], observations: Sequence[Observation], skipped: Skipped
 ) -> Rows:
     """Extract every cue from a batch; keep and return the rows that all of them have."""
-    found, failed = [], {}
+    found = []
+    failed: dict[int, UnusableObservation] = {}
     for of_cue in gathered:
         views, unusable = of_cue.extract(observations)
         found.append(views)

@@ -24,9 +24,9 @@ import numpy as np
 
 from placecue.components.registry import Registry
 from placecue.cue import Cue
-from placecue.errors import PlacecueError, UnusableObservation, UsageError
-from placecue.extraction import AnyCue, Extraction
-from placecue.features import FeatureBatch, Features, single, stack
+from placecue.errors import ComponentError, PlacecueError, UnusableObservation, UsageError
+from placecue.extraction import AnyCue, Extracted, Extraction, ready
+from placecue.features import Features, single, stack
 from placecue.observation import Observation, Origin
 from placecue.source import Source
 from placecue.storage import cache_folder
@@ -88,39 +88,36 @@ class FeatureCache(Extraction):
         self._names[cached.digest()] = source.name
         return cached
 
-    def features(self, cue: Cue, observation: Observation) -> Features:  # noqa: D102
-        entry = self._kept(cue, observation)
-        if entry is not None:
-            return entry.get()
-        observation.require(cue.requires)
-        if "image" in cue.requires:
-            _ = observation.image  # what fails here may not fail next time, and is not kept
-        try:
-            features = cue.features(observation)
-        except UnusableObservation as error:
-            self._keep(cue, observation, None, str(error))
-            raise
-        self._keep(cue, observation, features)
-        return features
-
-    def transform(self, cue: Cue, observations: Iterable[Observation]) -> FeatureBatch:  # noqa: D102
-        if not isinstance(observations, Sequence):  # perhaps too many to hold
-            return stack([self.features(cue, each) for each in observations])
+    def extract(  # noqa: D102
+        self, cue: Cue, observations: Sequence[Observation], *, skip: bool = False
+    ) -> Extracted:
         entries = [self._kept(cue, each) for each in observations]
-        missing = [each for each, entry in zip(observations, entries, strict=True) if entry is None]
-        if not missing:
-            return stack([entry.get() for entry in entries if entry is not None])
-        if len(missing) == 1:  # which is then known to be the one that is unusable
-            return stack([self.features(cue, each) for each in observations])
-        batch = cue.transform(missing)
-        fresh = iter(range(len(missing)))
-        found = []
-        for observation, entry in zip(observations, entries, strict=True):
-            features = single(batch, next(fresh)) if entry is None else entry.get()
-            if entry is None:
-                self._keep(cue, observation, features)
-            found.append(features)
-        return stack(found)
+        missing = [row for row, entry in enumerate(entries) if entry is None]
+        fresh = super().extract(cue, [observations[row] for row in missing], skip=skip)
+        failed = {missing[row]: error for row, error in fresh.failed.items()}
+        features: dict[int, Features] = {}
+        for number, row in enumerate(fresh.rows):
+            assert fresh.features is not None
+            features[missing[row]] = single(fresh.features, number)
+            self._keep(cue, observations[missing[row]], features[missing[row]])
+        for row, error in failed.items():
+            self._note(cue, observations[row], error)
+        for row, entry in enumerate(entries):
+            if entry is not None and entry.features is None:
+                failed[row] = entry.unusable()
+            elif entry is not None:
+                features[row] = entry.get()
+        rows = np.array(sorted(features), dtype=np.int64)
+        if len(missing) == len(observations):
+            return Extracted(rows, fresh.features, failed)  # as it came, not taken apart
+        batch = stack([features[row] for row in rows]) if features else None
+        return Extracted(rows, batch, failed)
+
+    def _note(self, cue: Cue, observation: Observation, error: UnusableObservation) -> None:
+        """Keep that a cue can make nothing of an observation whose parts are there."""
+        # What does not decode, or failed for a reason of its own, may not fail next time.
+        if not isinstance(error.__cause__, ComponentError) and ready(cue, [observation])[0]:
+            self._keep(cue, observation, None, str(error))
 
     def fit(  # noqa: D102
         self,
@@ -130,16 +127,16 @@ class FeatureCache(Extraction):
         origins: Sequence[Origin | None],
     ) -> AnyCue:
         if any(origin is None for origin in origins):
-            return cue.fit(observations, labels)
+            return super().fit(cue, observations, labels, origins)
         seen = _digest([list(map(list, filter(None, origins))), np.asarray(labels).tolist()])
         if self._keys(cue, "") is None:
-            return cue.fit(observations, labels)
+            return super().fit(cue, observations, labels, origins)
         about = {**self._keys.about(cue), "log": f"{len(origins)} samples", "seen": seen}
         folder = self.folder / LEARNED / f"{about['cue']}-{_digest(about)}"
         if self._restored(cue, folder / "state.npz"):
             cache_folder.touch(folder)
             return cue
-        cue.fit(observations, labels)
+        super().fit(cue, observations, labels, origins)
         self._store(cue, folder, about)
         return cue
 

@@ -72,10 +72,10 @@ def save_model(
     state = {
         "cues": {
             name: {
-                "cue": encoder.state(cue, f"cues.{name}"),
-                "classifier": encoder.state(classifier, f"cues.{name}.classifier"),
+                "cue": encoder.state(model.cue, f"cues.{name}"),
+                "classifier": encoder.state(model.classifier, f"cues.{name}.classifier"),
             }
-            for name, (cue, classifier) in pipeline.cues.items()
+            for name, model in pipeline.cues.items()
         },
         "integrator": encoder.state(pipeline.integrator, "integrator"),
     }
@@ -160,9 +160,9 @@ def load_model(folder: Path, registry: Registry) -> Pipeline:
 
 def _restore(composition: Mapping[str, Any], state: Any, decoder: Decoder) -> Pipeline:
     pipeline = build_pipeline(composition, decoder.registry)
-    for name, (cue, classifier) in pipeline.cues.items():
-        decoder.restore(cue, state["cues"][name]["cue"])
-        decoder.restore(classifier, state["cues"][name]["classifier"])
+    for name, model in pipeline.cues.items():
+        decoder.restore(model.cue, state["cues"][name]["cue"])
+        decoder.restore(model.classifier, state["cues"][name]["classifier"])
     decoder.restore(pipeline.integrator, state["integrator"])
     if "rejection" in state:
         pipeline.rejection_ = Rejection(**state["rejection"])

@@ -35,16 +35,13 @@ class Entry:
     features: Features | None
     reason: str = ""
 
-    def get(self) -> Features:
-        """Return the features.
+    def unusable(self) -> UnusableObservation:
+        """Return why there are no features."""
+        return UnusableObservation(self.reason)
 
-        Raises
-        ------
-        UnusableObservation
-            If there are none.
-        """
-        if self.features is None:
-            raise UnusableObservation(self.reason)
+    def get(self) -> Features:
+        """Return the features, of an observation that was usable."""
+        assert self.features is not None
         # A copy: the shard's arrays may then go, and nobody writes into them.
         return self.features.copy()
 

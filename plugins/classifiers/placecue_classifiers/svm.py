@@ -159,8 +159,8 @@ class SVM(Classifier):
         machines = extension.machines(gram[np.ix_(rows, rows)], codes[rows])
         self.layout_ = self.machine_layout_ = extension.layout
         if self.probability is not None:
-            found = (alike.rounds([(preparation, light)]) for alike in folds)
-            held_out = ((gram, *split) for each in found for gram, splits in each for split in splits)
+            of_folds = (each for alike in folds for each in alike.rounds([(preparation, light)]))
+            held_out = ((gram, *split) for gram, splits in of_folds for split in splits)
             self.calibrators_ = self._calibrators(extension, codes, held_out)
             self.layout_ = Probabilities(self.class_names)
         self.C_, self.scaling_ = float(best.C), prepared.scaling
@@ -314,6 +314,12 @@ class SVM(Classifier):
         check_class_weight(self.class_weight)
         if self.kernel is None:
             raise UsageError("an SVM needs a kernel, such as kernel={plugin: rbf}")
+        if not isinstance(self.scaling, Scaling | None):
+            raise UsageError(
+                f"scaling must be a Scaling, such as RangeScaling(), or None, got {self.scaling!r}"
+            )
+        if not isinstance(self.folds, FoldScheme | None):
+            raise UsageError(f"folds must be a FoldScheme, such as Blocks(), got {self.folds!r}")
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
         if not (self.refit or self.search):

@@ -9,7 +9,7 @@ from sklearn.metrics import balanced_accuracy_score
 from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
-from placecue import DataError, OneAgainstOne, UsageError, progress
+from placecue import DataError, InterleavedChunks, OneAgainstOne, UsageError, progress
 from placecue.evaluation.search_figure import draw_search, search_rows, search_table
 from placecue.folds import Blocks, ByLog
 from placecue.scaling import RangeScaling, StandardScaling

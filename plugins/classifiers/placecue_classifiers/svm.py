@@ -161,7 +161,9 @@ class SVM(Classifier):
         if self.probability is not None:
             of_folds = (each for alike in folds for each in alike.rounds([(preparation, light)]))
             held_out = ((gram, *split) for gram, splits in of_folds for split in splits)
-            self.calibrators_ = self._calibrators(extension, codes, held_out)
+            total = sum(len(alike.splits) for alike in folds)
+            each = track(held_out, "calibrating", total)
+            self.calibrators_ = self._calibrators(extension, codes, each)
             self.layout_ = Probabilities(self.class_names)
         self.C_, self.scaling_ = float(best.C), prepared.scaling
         self.kernel_ = prepared.with_light(light)
@@ -280,7 +282,7 @@ class SVM(Classifier):
     ) -> list[NDArray[np.float64]]:
         """Learn probabilities from the outputs for held-out rows (matrix, training, held out)."""
         outputs, truths = [], []
-        for gram, rows, held in track(held_out, "calibrating"):
+        for gram, rows, held in held_out:
             outputs.append(extension.held_out(gram, codes, rows, held))
             truths.append(codes[held])
         assert self.probability is not None

@@ -1,0 +1,114 @@
+"""What is said of unseen samples comes from nothing that has seen them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from placecue import Observation, Pipeline, Unknown
+from placecue_classifiers.svm import SVM
+from placecue_integrators.svm_das import SVMDAS
+from placecue_kernels.rbf import RBF
+from toys import PLACES, SECOND, Beams, Walk
+
+SEARCH = {"C": [1, 100], "gamma": [0.01, 0.1, 1.0]}
+
+
+class Labelled(Walk):
+    """A walk whose labels say nothing of the place: drawn at random, a chunk at a time."""
+
+    def __iter__(self) -> Iterator[Observation]:
+        generator = np.random.default_rng(1000 + self.seed)
+        for observation in super().__iter__():
+            yield observation.relabelled(PLACES[generator.integers(4)])
+
+
+def two_cues() -> Pipeline:
+    cues = {
+        "beams": (Beams(4), SVM(RBF(), search=SEARCH)),
+        "few": (Beams(2), SVM(RBF(), search=SEARCH, multiclass="oao")),
+    }
+    return Pipeline(cues, SVMDAS(SVM(RBF(), search=SEARCH)), unknown=Unknown(0.1))
+
+
+@pytest.mark.parametrize("integration", [False, True], ids=["out of fold", "another log"])
+def test_random_labels_come_out_at_chance(integration: bool) -> None:
+    shares = []
+    for seed in range(3):
+        other = Labelled(rounds=2, seed=seed + 50) if integration else None
+        trained = two_cues().fit(Labelled(rounds=3, seed=seed), other)
+        assert trained.judged_ is not None
+        right = np.concatenate([each.decisions()[1] for each in trained.judged_])
+        shares.append(right.mean())
+        assert trained.rejection_ is not None
+        assert trained.rejection_.n_right == right.sum()
+    # 720 or 480 decisions: a standard deviation of 1.6 or 2 points.
+    assert np.mean(shares) == pytest.approx(0.25, abs=0.05)
+
+
+def test_copies_see_nothing_of_what_they_are_judged_on() -> None:
+    seen: list[tuple[str, set[int]]] = []
+
+    class Watched(SVM):
+        def train(self, training):  # type: ignore[no-untyped-def]
+            seen.append(("classifier", set(np.asarray(training.stamps).tolist())))
+            return super().train(training)
+
+    class WatchedDAS(SVMDAS):
+        def train(self, held_out):  # type: ignore[no-untyped-def]
+            seen.append(("integrator", set(np.asarray(held_out.stamps).tolist())))
+            return super().train(held_out)
+
+    cues = {"beams": (Beams(), Watched(RBF(0.1))), "few": (Beams(2), Watched(RBF(0.1)))}
+    trained = Pipeline(cues, WatchedDAS(SVM(RBF(0.3))), unknown=Unknown(0.1)).fit(Walk())
+    everything = {each.stamp for each in Walk()}
+    assert [kind for kind, _ in seen] == ["classifier", "classifier", "integrator"] * 6
+    assert all(stamps == everything for _, stamps in seen[:3])
+    assert trained.judged_ is not None
+    judged: set[int] = set()
+    for number in range(5):
+        of_fold = seen[3 * (number + 1) : 3 * (number + 2)]
+        known = set.union(*(stamps for _, stamps in of_fold))
+        part = len(trained.judged_[number].labels)
+        assert len(known) == len(everything) - part
+        judged |= everything - known
+    assert judged == everything
+
+
+def test_another_sequence_is_judged_by_copies_of_the_integrator_alone() -> None:
+    searched: list[object] = []
+
+    class Watched(SVMDAS):
+        def train(self, held_out):  # type: ignore[no-untyped-def]
+            searched.append((self.classifier.search, len(held_out)))
+            return super().train(held_out)
+
+    cues = {"beams": (Beams(), SVM(RBF(0.1))), "few": (Beams(2), SVM(RBF(0.1)))}
+    das = Watched(SVM(RBF(), search=SEARCH))
+    trained = Pipeline(cues, das, unknown=Unknown(0.1)).fit(Walk(), Walk(seed=2))
+    # The whole, then five folds, each with a search of its own.
+    assert [each[0] for each in searched] == [SEARCH] * 6
+    assert searched[0][1] == 320
+    assert sum(320 - each[1] for each in searched[1:]) == 320
+    assert trained.rejection_ is not None
+    assert trained.rejection_.n_right + trained.rejection_.n_wrong == 320
+
+
+def test_stamps_reach_the_integrator_s_folds() -> None:
+    """The search inside SVM-DAS cuts along the stamps: a chunk of 2 s is never parted."""
+    cut: list[np.ndarray] = []
+
+    class Watched(SVM):
+        def train(self, training):  # type: ignore[no-untyped-def]
+            cut.extend(held_out for _, held_out in training.split())
+            return super().train(training)
+
+    cues = {"beams": (Beams(), SVM(RBF(0.1))), "few": (Beams(2), SVM(RBF(0.1)))}
+    Pipeline(cues, SVMDAS(Watched(RBF(0.3)))).fit(Walk())
+    stamps = np.array([each.stamp for each in Walk()])
+    assert len(cut) == 5
+    for held_out in cut:
+        chunks = np.unique(stamps[held_out] // (2 * SECOND))
+        assert len(held_out) == 10 * len(chunks)  # 2 s at 5 Hz

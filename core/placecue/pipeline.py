@@ -17,11 +17,13 @@ import numpy as np
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
 from placecue.classifier import Classifier
+from placecue.contracts import area_update
 from placecue.cue import Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import Evidence, ObservedEvidence, OutOfFold, StoredEvidence, scored_rows
 from placecue.extraction import Extraction
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.guard import call
 from placecue.integrator import Integrator, OnlyCue
 from placecue.learning.held_out import HeldOut
 from placecue.learning.rejection import Rejection, Unknown
@@ -32,6 +34,7 @@ from placecue.progress import track
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
+from placecue.source import guarded
 
 log = logging.getLogger(__name__)
 
@@ -137,7 +140,10 @@ class Pipeline:
         accumulator made of it; ``accumulator.semantic_map()`` is the map so far.
         """
         for observation, belief in self.follow(observations, batch):
-            yield observation, belief, accumulator.update(observation, belief)  # accumulate
+            update = call(  # accumulate
+                accumulator, "update", observation, belief, check=area_update, at=observation
+            )
+            yield observation, belief, update
 
     # ------------------------------------------------------------------ a log
 
@@ -162,7 +168,7 @@ class Pipeline:
             If no observation was usable.
         """
         skipped, total = Skipped(), 0
-        iterator = iter(observations)
+        iterator = iter(guarded(observations))
         while group := list(islice(iterator, batch)):
             total += len(group)
             yield from zip(group, self._beliefs_of(group, skipped), strict=True)

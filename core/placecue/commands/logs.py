@@ -14,7 +14,7 @@ from placecue.labels.geojson import read_rooms
 from placecue.labels.label_map import LabelMap
 from placecue.labels.relabelled import Relabelled
 from placecue.observation import PARTS, Part
-from placecue.source import Chain, Source
+from placecue.source import Chain, Source, guarded
 
 
 def open_source(
@@ -62,7 +62,7 @@ def open_source(
     specs = [spec]
     if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
         specs = [{**spec, "path": path} for path in paths]
-    sources: list[Source] = [build(each, "source", plugins.registry) for each in specs]
+    sources = [guarded(_built(each, plugins)) for each in specs]
     if extraction is not None:
         sources = list(map(extraction.following, sources))
     sources = [relabelled(each, config) for each in sources]
@@ -117,6 +117,11 @@ def path_of(config: Mapping[str, Any], key: str) -> Path:
     if isinstance(value, (str, int, Path)) and str(value) and not isinstance(value, bool):
         return Path(str(value))
     raise UsageError(f"{key} must be a path, got {value!r}: give {key}=PATH")
+
+
+def _built(spec: Mapping[str, Any], plugins: Plugins) -> Source:
+    source: Source = build(spec, "source", plugins.registry)
+    return source
 
 
 def _kind(spec: Mapping[str, Any], plugins: Plugins) -> type[Source]:

@@ -18,6 +18,7 @@ from placecue.folds import Rows
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
 from placecue.skipped import Skipped
+from placecue.source import guarded
 
 
 @dataclass(frozen=True)
@@ -188,6 +189,7 @@ def collect(
     UsageError
         If a cue learns and ``observations`` can be iterated only once.
     """
+    observations = guarded(observations)
     learning = [name for name, cue in cues.items() if cue.learns]
     if learning and iter(observations) is observations:
         raise UsageError(

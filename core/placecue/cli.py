@@ -73,8 +73,8 @@ def run(words: list[str]) -> int:
         return _failed(words, str(error), error.exit_status)
     except BrokenPipeError:
         raise
-    except KeyboardInterrupt:
-        return _failed(words, "interrupted", 130)
+    except KeyboardInterrupt as error:
+        return _failed(words, str(error) or "interrupted", 130)
     except Exception as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return _failed(

@@ -6,7 +6,7 @@ Each function returns None, or what is wrong, such as ``returned 1 row for 3 sam
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from numbers import Integral, Real
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from placecue.accumulator import AreaUpdate
+from placecue.camera import PinholeCamera
 from placecue.errors import described
 from placecue.features import DescriptorSets, FeatureBatch, kind_of
 from placecue.observation import LaserScan, Observation, Pose2D
@@ -242,13 +243,41 @@ def semantic_map(made: Any) -> str | None:
 # ---------------------------------------------------------------------- observations
 
 
+def text(made: Any) -> str | None:
+    """Check a name or a digest."""
+    return None if isinstance(made, str) and made else f"is {_shown(made)}, not a text"
+
+
+def count(made: Any) -> str | None:
+    """Check how many observations a source says to have."""
+    right = made is None or (_whole(made) and made >= 0)
+    return None if right else f"returned {_shown(made)}, not a number of observations or None"
+
+
+def metadata(made: Any) -> str | None:
+    """Check the conditions of a recording: texts by name."""
+    if not isinstance(made, Mapping):
+        return f"is {described(made)}, not a mapping of texts"
+    wrong = next(
+        (k for k, v in made.items() if not (isinstance(k, str) and isinstance(v, str))), None
+    )
+    return None if wrong is None else f"holds {described(made[wrong])} under {wrong!r}, not a text"
+
+
+def camera(made: Any) -> str | None:
+    """Check the camera of a source."""
+    if made is None or isinstance(made, PinholeCamera):
+        return None
+    return f"is {_shown(made)}, not a PinholeCamera or None"
+
+
 def observation(made: Any) -> str | None:
     """Check what comes out of a source: an Observation with parts of the right types."""
     if not isinstance(made, Observation):
         return f"returned {described(made)}, not an Observation"
     wrong = _fields(
         "an Observation",
-        ("stamp", made.stamp, _stamp(made.stamp), "a whole number of ns"),
+        ("stamp", made.stamp, _whole(made.stamp) and fits(made.stamp), "a whole number of ns"),
         ("label", made.label, _optional(made.label, str), "a text or None"),
         ("pose", made.pose, _optional(made.pose, Pose2D), "a Pose2D or None"),
         ("scan", made.scan, _optional(made.scan, LaserScan), "a LaserScan or None"),
@@ -269,6 +298,16 @@ def image(made: Any) -> str | None:
         text = f"returned an Observation whose image is of {made.dtype}, shape {made.shape}"
         return f"{text}, not of uint8, (H, W, 3) or (H, W)"
     return None
+
+
+def stamp(made: Any) -> str | None:
+    """Check a time in ns, which may be too large for 64 bits."""
+    return None if _whole(made) else f"returned {_shown(made)}, not a whole number of ns"
+
+
+def fits(stamp: int) -> bool:
+    """Tell whether a stamp fits 64 bits, as arrays of stamps hold it."""
+    return _STAMPS.min <= stamp <= _STAMPS.max
 
 
 def scan(made: Any) -> str | None:
@@ -311,10 +350,6 @@ def _optional(value: object, kind: type) -> bool:
 
 def _whole(value: object) -> bool:
     return isinstance(value, Integral) and not isinstance(value, bool)
-
-
-def _stamp(value: Any) -> bool:
-    return _whole(value) and _STAMPS.min <= value <= _STAMPS.max
 
 
 def _number(value: Any) -> bool:

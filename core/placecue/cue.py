@@ -8,7 +8,9 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from sklearn.base import BaseEstimator
 
+from placecue import contracts
 from placecue.features import FeatureBatch, Features, stack
+from placecue.guard import call
 from placecue.observation import Observation, Part
 
 #: Makes an altered copy of an observation; see :meth:`Observation.altered`.
@@ -80,7 +82,10 @@ class Cue(BaseEstimator, ABC):  # type: ignore[misc]
     def features(self, observation: Observation) -> Features:
         """Return the features of one observation after checking that its parts are there."""
         observation.require(self.requires)
-        return self.extract(observation)
+        made: Features = call(
+            self, "extract", observation, check=contracts.features, at=observation
+        )
+        return made
 
     def fit_transform(
         self, observations: Iterable[Observation], labels: Any = None

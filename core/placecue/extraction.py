@@ -18,7 +18,6 @@ from placecue.features import FeatureBatch, join, spoilt_rows
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
-from placecue.source import Source
 
 AnyCue = TypeVar("AnyCue", bound=Cue)
 T = TypeVar("T")
@@ -78,10 +77,6 @@ class Extraction:
         there = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
         failed |= {int(there[row]): error for row, error in asked.failed.items()}
         return Extracted(there[asked.rows], asked.features, failed)
-
-    def following(self, source: Source) -> Source:
-        """Return a log whose observations can be told apart by :attr:`Observation.origin`."""
-        return source
 
     def transform(self, cue: Cue, observations: Iterable[Observation]) -> FeatureBatch:
         """Return the features of observations, all of which must be usable.

@@ -11,6 +11,7 @@ from placecue.errors import UsageError
 from placecue.observation import Observation
 from placecue.pipeline import Pipeline
 from placecue.progress import track
+from placecue.source import guarded
 
 
 class Listener(Protocol):
@@ -54,7 +55,7 @@ def run_log(
     """
     if not isinstance(batch, int) or batch < 1:
         raise UsageError(f"batch is {batch!r}; give a whole number of at least 1")
-    observations = track(log, "classifying" if accumulator is None else "labelling")
+    observations = track(guarded(log), "classifying" if accumulator is None else "labelling")
     steps = (
         (
             (observation, belief, None)

@@ -169,22 +169,59 @@ class EncodedImage:
         return np.asarray(image, dtype=np.uint8)
 
 
+class Recording:
+    """Which log an observation is of.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    digest : str or callable
+        Digest of its content, or what returns it, called when somebody asks: it reads the log.
+    """
+
+    def __init__(self, name: str, digest: str | Callable[[], str]) -> None:
+        self.name = name
+        self._digest = digest
+
+    @property
+    def digest(self) -> str:
+        """Digest of the content."""
+        if callable(self._digest):
+            self._digest = self._digest()
+        return self._digest
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Recording) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Recording, (self.name, self.digest)
+
+
 class Origin(NamedTuple):
     """Which observation of which log something is.
 
     Parameters
     ----------
-    log : str
-        Digest of the log.
+    recording : Recording
+        The log.
     number : int
         Which of its observations, from 0.
     altered : str
         What was done to it for training; empty for what was recorded.
     """
 
-    log: str
+    recording: Recording
     number: int
     altered: str = ""
+
+    @property
+    def log(self) -> str:
+        """Digest of the log."""
+        return self.recording.digest
 
 
 class Observation:
@@ -207,7 +244,8 @@ class Observation:
     label : str or None
         The true name of the place, where somebody gave one.
     origin : Origin or None
-        Where it comes from, so that its features can be kept between runs.
+        Where it comes from, so that its features can be kept between runs; a source's own
+        observations always know.
     log_name : str
         What to call the log it is of, in messages.
     """
@@ -298,15 +336,16 @@ class Observation:
         """Return the same moment under another label; a pending image stays undecoded."""
         return self._with(label=label)
 
-    def of_log(self, name: str) -> Observation:
-        """Say what the log is called in messages, unless somebody has; return the observation."""
+    def of_log(self, name: str, origin: Origin | None = None) -> Observation:
+        """Say what the log is called and which of its observations this is, unless that is known.
+
+        Returns the observation itself.
+        """
         if not self.log_name:
             object.__setattr__(self, "log_name", name)
+        if self.origin is None:
+            object.__setattr__(self, "origin", origin)
         return self
-
-    def coming_from(self, origin: Origin) -> Observation:
-        """Return the same moment with its origin; a pending image stays undecoded."""
-        return self._with(origin=origin)
 
     def altered(self, how: str, **parts: Any) -> Observation:
         """Return a copy for training, with other parts.

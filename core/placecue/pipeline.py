@@ -16,6 +16,7 @@ from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
 from placecue.checks import check_choice
 from placecue.classifier import Classifier
+from placecue.contracts import area_update
 from placecue.cue import Cue
 from placecue.cue_model import CueModel
 from placecue.errors import DataError, UnusableObservation, UsageError
@@ -34,6 +35,7 @@ from placecue.progress import track
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue.skipped import Skipped
+from placecue.source import guarded
 
 #: What becomes of an observation at which a component fails.
 ON_ERROR = ("stop", "skip")
@@ -166,7 +168,10 @@ class Pipeline:
         accumulator made of it; ``accumulator.semantic_map()`` is the map so far.
         """
         for observation, belief in self.follow(observations, batch):
-            yield observation, belief, accumulator.update(observation, belief)  # accumulate
+            update = call(  # accumulate
+                accumulator, "update", observation, belief, check=area_update, at=observation
+            )
+            yield observation, belief, update
 
     # ------------------------------------------------------------------ a log
 
@@ -191,7 +196,7 @@ class Pipeline:
             If no observation was usable.
         """
         skipped, total = Skipped(), 0
-        for group in batched(observations, batch):
+        for group in batched(guarded(observations), batch):
             total += len(group)
             for observation, belief in zip(group, self._beliefs(group), strict=True):
                 if isinstance(belief, UnusableObservation):

@@ -7,7 +7,6 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-
 from sklearn.base import BaseEstimator
 
 from placecue.errors import UsageError, choices

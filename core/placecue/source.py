@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import count
+from types import MappingProxyType
+from typing import Any, ClassVar, overload
 
+from placecue import contracts
 from placecue.camera import PinholeCamera
-from placecue.observation import Observation
+from placecue.guard import call, step
+from placecue.observation import Observation, Origin, Recording
 
 
 class Source(ABC):
@@ -30,7 +35,7 @@ class Source(ABC):
 
     reads_many: ClassVar[bool] = False
     name: str = "source"
-    metadata: Mapping[str, str] = {}
+    metadata: Mapping[str, str] = MappingProxyType({})
     camera: PinholeCamera | None = None
 
     @abstractmethod
@@ -60,9 +65,13 @@ class Wrapped(Source):
     """
 
     def __init__(self, source: Source) -> None:
-        self.source = source
-        self.name = source.name
-        self.camera = source.camera
+        self.source = guarded(source)
+        self.name = self.source.name
+
+    @property
+    def camera(self) -> PinholeCamera | None:  # type: ignore[override]
+        """The camera of the images, where it is known."""
+        return self.source.camera
 
     @property
     def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
@@ -83,7 +92,7 @@ class Chain(Source):
     """
 
     def __init__(self, sources: Sequence[Source]) -> None:
-        self.sources = tuple(sources)
+        self.sources = tuple(map(guarded, sources))
         self.name = " + ".join(source.name for source in self.sources)
 
     def __iter__(self) -> Iterator[Observation]:
@@ -97,3 +106,79 @@ class Chain(Source):
     def count(self) -> int | None:  # noqa: D102
         counts = [source.count() for source in self.sources]
         return sum(counts) if None not in counts else None  # type: ignore[arg-type]
+
+
+class Guarded(Source):
+    """A source as anybody may have written it: what it raises or gives wrongly is one line.
+
+    Its observations say which log they are of, and where in it they stand.
+
+    Parameters
+    ----------
+    source : Source
+        Where observations come from.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.name = self._of("name", contracts.text)
+
+    @property
+    def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
+        """Conditions of the recording."""
+        return MappingProxyType(dict(self._of("metadata", contracts.metadata)))
+
+    @property
+    def camera(self) -> PinholeCamera | None:  # type: ignore[override]
+        """The camera of the images, where it is known."""
+        camera: PinholeCamera | None = self._of("camera", contracts.camera)
+        return camera
+
+    def __iter__(self) -> Iterator[Observation]:
+        iterator = step(self.source, "iteration", iter, self.source)
+        recording = Recording(self.name, self.digest)
+        for number in count():
+            at = f"at observation {number} of {self.name}"
+            made = step(self.source, "iteration", next, iterator, _END, check=_observation, at=at)
+            if made is _END:
+                return
+            yield made.of_log(self.name, Origin(recording, number))
+
+    def digest(self) -> str:  # noqa: D102
+        return self._digest
+
+    def count(self) -> int | None:  # noqa: D102
+        number: int | None = call(self.source, "count", check=contracts.count)
+        return number
+
+    @cached_property
+    def _digest(self) -> str:
+        return str(call(self.source, "digest", check=contracts.text))
+
+    def _of(self, attribute: str, check: Any) -> Any:
+        return step(self.source, attribute, getattr, self.source, attribute, check=check)
+
+
+_END = object()
+
+
+def _observation(made: Any) -> str | None:
+    return None if made is _END else contracts.observation(made)
+
+
+@overload
+def guarded(observations: Source) -> Source: ...
+@overload
+def guarded(observations: Iterable[Observation]) -> Iterable[Observation]: ...
+def guarded(observations: Iterable[Observation]) -> Iterable[Observation]:
+    """Return a source behind the guard; other iterables, which are no components, as they are."""
+    if isinstance(observations, Guarded) or not isinstance(observations, Source):
+        return observations
+    return Guarded(observations)
+
+
+def innermost(source: Source) -> Source:
+    """Return what was built, without what was put around it."""
+    while isinstance(source, (Guarded, Wrapped)):
+        source = source.source
+    return source

@@ -99,7 +99,7 @@ def test_a_cue_learns_once_for_a_fold_of_search_and_of_integration(tmp_path: Pat
         SVMDAS(SVM(RBF(0.3))),
     )
     with FeatureCache(tmp_path, REGISTRY) as pipeline.extraction:
-        pipeline.fit(pipeline.extraction.following(Walk()))
+        pipeline.fit(Walk())
     assert CALLS["fit"] == 1 + 5  # all samples, and five folds
 
 

@@ -140,7 +140,7 @@ def test_a_run_trims_what_it_does_not_use(tmp_path: Path) -> None:
     [kept] = contents(tmp_path)
     used(tmp_path, {"walk 0": 1})
     with FeatureCache(tmp_path, REGISTRY, max_size=1.5 * kept.size / 1e9) as cache:
-        collect(cache.following(Walk(seed=1)), {"cue": Counting()}, cache)
+        collect(Walk(seed=1), {"cue": Counting()}, cache)
     assert [each.about["log"] for each in contents(tmp_path)] == ["walk 1"]
     extracted(tmp_path, Counting(), Walk(seed=1))
     assert CALLS["extract"] == 2 * SAMPLES

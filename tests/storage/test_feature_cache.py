@@ -41,12 +41,12 @@ def test_neither_does_classifying_a_log_again(tmp_path: Path) -> None:
     plain = [belief.scores.values for belief in pipeline.beliefs(Walk(seed=1), batch=16)]
     for batch in (16, 7):
         with FeatureCache(tmp_path, REGISTRY) as pipeline.extraction:
-            log = pipeline.extraction.following(Walk(seed=1))
+            log = Walk(seed=1)
             beliefs = list(pipeline.beliefs(log, batch))
         values = [belief.scores.values for belief in beliefs]
         np.testing.assert_allclose(values, plain, rtol=0, atol=1e-12)
         # What would not come from the cache fails from now on.
-        pipeline.cues["beams"][0].extract = pipeline.cues["brightness"][0].extract = None
+        pipeline.cues["beams"].cue.extract = pipeline.cues["brightness"].cue.extract = None
 
 
 def test_what_a_cue_learns_is_kept_for_every_fold(tmp_path: Path) -> None:
@@ -54,8 +54,8 @@ def test_what_a_cue_learns_is_kept_for_every_fold(tmp_path: Path) -> None:
 
     def learned() -> list[object]:
         with FeatureCache(tmp_path, REGISTRY) as cache:
-            samples = collect(cache.following(Walk()), {"cue": Learning()}, cache)
-            return [samples.learned_from("cue", Learning(), rows).features for rows in folds]
+            samples = collect(Walk(), {"cue": Learning()}, cache)
+            return [samples.relearned(Learning(), rows).features for rows in folds]
 
     first = learned()
     assert CALLS == {"fit": 2, "extract": 2 * SAMPLES}
@@ -64,7 +64,7 @@ def test_what_a_cue_learns_is_kept_for_every_fold(tmp_path: Path) -> None:
     assert all(map(same, first, again))
     assert not same(*first)
     plain = collect(Walk(), {"cue": Learning()})
-    assert same(first[0], plain.learned_from("cue", Learning(), folds[0]).features)
+    assert same(first[0], plain.relearned(Learning(), folds[0]).features)
 
 
 def test_another_version_parameter_or_log_is_extracted_anew(
@@ -228,7 +228,7 @@ def test_what_failed_in_reading_may_not_fail_again(tmp_path: Path) -> None:
 def test_each_log_is_written_when_the_next_begins(tmp_path: Path) -> None:
     with FeatureCache(tmp_path, REGISTRY) as cache:
         for seed in range(3):
-            log = cache.following(Walk(rounds=1, stay=5, seed=seed))
+            log = Walk(rounds=1, stay=5, seed=seed)
             collect(log, {"cue": Counting()}, cache)
             assert len(shards(tmp_path)) == seed
     assert len(shards(tmp_path)) == 3
@@ -244,7 +244,7 @@ def test_a_cue_changed_in_place_is_another(tmp_path: Path) -> None:
             return super().extract(observation)
 
     with FeatureCache(tmp_path, REGISTRY) as cache:
-        log, cue = cache.following(Walk()), Listed([1.0])
+        log, cue = Walk(), Listed([1.0])
         first = collect(log, {"cue": cue}, cache).extracted["cue"].features
         cue.factors.append(1.0)
         second = collect(log, {"cue": cue}, cache).extracted["cue"].features

@@ -11,7 +11,7 @@ from placecue.errors import DataError, UsageError
 from placecue.labels.relabelled import Relabelled
 from placecue.logs.reader import McapLog
 from placecue.logs.writing.annotate import annotate, label_events
-from placecue.source import Source
+from placecue.source import Source, innermost
 from placecue.storage.atomic import made
 
 OUT_IS_FOLDER = False
@@ -52,7 +52,7 @@ def _single(source: Source) -> Source:
 
 def _log(source: Source) -> tuple[McapLog, Any]:
     """Return the log itself, and what gives the label of a moment in it."""
-    inner = source.source if isinstance(source, Relabelled) else source
+    inner = innermost(source)
     if type(inner) is not McapLog:
         raise UsageError(
             f"annotate copies MCAP logs, and {source.name} is none: placecue convert takes rooms= "

@@ -31,7 +31,7 @@ def run(config: dict[str, Any]) -> None:
     with ExitStack() as stack, progress.shown():
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
         parts = (*pipeline.requires, "pose", "label")
-        log = open_source(config, plugins, parts=parts, extraction=pipeline.extraction)
+        log = open_source(config, plugins, parts=parts)
         made(out)
         listeners: list[Listener] = [
             tally,

@@ -18,7 +18,7 @@ from placecue.labels.relabelled import Relabelled
 from placecue.logs.info import LogSummary, TopicSummary, summarise
 from placecue.logs.reader import McapLog
 from placecue.semantic_map import SemanticMap
-from placecue.source import Source
+from placecue.source import Source, innermost
 
 OUT_IS_FOLDER = False
 NO_LABEL = "without a label"
@@ -48,7 +48,7 @@ def summary_of(source: Source) -> LogSummary:
     UsageError
         If it is no log of messages.
     """
-    inner = source.source if isinstance(source, Relabelled) else source
+    inner = innermost(source)
     if not isinstance(inner, McapLog):
         raise UsageError(
             f"info looks into MCAP logs and bags, and {source.name} is neither: placecue convert "

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from placecue import progress
+from placecue import contracts, progress
 from placecue.commands import show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
@@ -15,6 +15,7 @@ from placecue.components.manager import current_plugins
 from placecue.evaluation.map_figure import draw_semantic_map
 from placecue.evaluation.surroundings import Surroundings
 from placecue.evaluation.tally import Tally
+from placecue.guard import call
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import AnnotatedLog, write_layout
@@ -48,7 +49,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     with ExitStack() as stack, progress.shown():
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
         parts = (*pipeline.requires, "scan", "pose", "label")
-        log = open_source(config, plugins, parts=parts, extraction=pipeline.extraction)
+        log = open_source(config, plugins, parts=parts)
         made(out)
         annotated = stack.enter_context(AnnotatedLog(out / "annotated.mcap", pipeline.classes))
         listeners: list[Listener] = [
@@ -59,7 +60,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
             PluginListeners(plugins),
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
-        semantic_map: SemanticMap = accumulator.semantic_map()
+        semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
         annotated.close_with(semantic_map)
     write_layout(out)
     write_json(out / "semantic_map.geojson", semantic_map.to_geojson())

@@ -9,12 +9,11 @@ from typing import Any
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
-from placecue.extraction import Extraction
 from placecue.labels.geojson import read_rooms
 from placecue.labels.label_map import LabelMap
 from placecue.labels.relabelled import Relabelled
 from placecue.observation import PARTS, Part
-from placecue.source import Chain, Source
+from placecue.source import Chain, Source, guarded
 
 
 def open_source(
@@ -22,7 +21,6 @@ def open_source(
     plugins: Plugins,
     log: str = "log",
     parts: Sequence[Part] | None = None,
-    extraction: Extraction | None = None,
 ) -> Source:
     """Open the source of a command.
 
@@ -40,8 +38,6 @@ def open_source(
     parts : sequence of str, optional
         The parts of an observation that the command can use; a source that lets one choose reads
         no others, and does not ask which of several topics to take for them.
-    extraction : Extraction, optional
-        What will extract features from the source's observations.
 
     Raises
     ------
@@ -62,9 +58,7 @@ def open_source(
     specs = [spec]
     if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
         specs = [{**spec, "path": path} for path in paths]
-    sources: list[Source] = [build(each, "source", plugins.registry) for each in specs]
-    if extraction is not None:
-        sources = list(map(extraction.following, sources))
+    sources = [guarded(_built(each, plugins)) for each in specs]
     sources = [relabelled(each, config) for each in sources]
     for source in sources:
         plugins.tell("log_opened", source=source)
@@ -117,6 +111,11 @@ def path_of(config: Mapping[str, Any], key: str) -> Path:
     if isinstance(value, (str, int, Path)) and str(value) and not isinstance(value, bool):
         return Path(str(value))
     raise UsageError(f"{key} must be a path, got {value!r}: give {key}=PATH")
+
+
+def _built(spec: Mapping[str, Any], plugins: Plugins) -> Source:
+    source: Source = build(spec, "source", plugins.registry)
+    return source
 
 
 def _kind(spec: Mapping[str, Any], plugins: Plugins) -> type[Source]:

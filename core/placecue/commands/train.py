@@ -43,13 +43,11 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
     pipeline = build_pipeline(config, plugins.registry)
     parts = (*pipeline.requires, "label")
     with extraction_of(config, plugins) as pipeline.extraction, progress.shown():
-        log = open_source(config, plugins, parts=parts, extraction=pipeline.extraction)
+        log = open_source(config, plugins, parts=parts)
         logs = single_logs(log)
         integration = None
         if config.get("integration_log"):
-            integration = open_source(
-                config, plugins, "integration_log", parts, pipeline.extraction
-            )
+            integration = open_source(config, plugins, "integration_log", parts)
         made(out)
         pipeline.fit(log, integration, reliability=True)
     if integration is not None and pipeline.held_out_ is not None:

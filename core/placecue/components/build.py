@@ -18,7 +18,7 @@ from typing import Any
 from placecue.components.hooks import KINDS, Kind
 from placecue.components.parameter_types import misfits
 from placecue.components.registry import Registry
-from placecue.errors import PlacecueError, UsageError, choices
+from placecue.errors import PlacecueError, PluginError, UsageError, choices, told
 
 
 def plain(value: Any) -> Any:
@@ -77,6 +77,8 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
         raise
     except (TypeError, ValueError) as error:
         raise UsageError(f"{where}: {kind} '{name}' refused its parameters: {error}") from error
+    except (Exception, SystemExit) as error:
+        raise PluginError(f"{where}: {kind} '{name}' cannot be made: {told(error)}") from error
 
 
 def describe(component: Any, registry: Registry) -> dict[str, Any]:

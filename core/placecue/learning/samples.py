@@ -19,6 +19,7 @@ from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
 from placecue.skipped import Skipped
+from placecue.source import guarded
 from placecue.training_set import TrainingSet
 
 
@@ -101,7 +102,7 @@ class Samples:
         """Return the observations of the given samples (all by default), to be read again."""
         return Reread(self.observations, self.positions if rows is None else self.positions[rows])
 
-    def _relearned(self, cue: Cue, rows: Rows) -> TrainingSet:
+    def relearned(self, cue: Cue, rows: Rows) -> TrainingSet:
         """Return all samples as a copy of a cue sees them that has learned from some."""
         copy: Cue = clone(cue)
         self._learn(copy, rows)
@@ -116,7 +117,7 @@ class Samples:
         transform, reread = self.extraction.transform, self.reread()
         copies = (transform(cue, map(augment, reread)) for augment in cue.augmentations())
         seen = self._set(transform(cue, reread), *copies)
-        return replace(seen, relearn=partial(self._relearned, cue))
+        return replace(seen, relearn=partial(self.relearned, cue))
 
     def _set(self, recorded: FeatureBatch, *augmented: FeatureBatch) -> TrainingSet:
         return TrainingSet(
@@ -200,6 +201,7 @@ def collect(
     UsageError
         If a cue learns and ``observations`` can be iterated only once.
     """
+    observations = guarded(observations)
     learning = [name for name, cue in cues.items() if cue.learns]
     if learning and iter(observations) is observations:
         raise UsageError(

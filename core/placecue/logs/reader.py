@@ -10,7 +10,15 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from placecue.errors import DataError, UnusableObservation, UsageError
+from placecue.errors import (
+    ComponentError,
+    ContractError,
+    DataError,
+    UnusableObservation,
+    UsageError,
+)
+from placecue.guard import call
+from placecue.logs.adapters import contract
 from placecue.logs.joining import depth, mounting, topics
 from placecue.logs.joining.items import TopicReader
 from placecue.logs.joining.labels import Intervals
@@ -256,8 +264,12 @@ class McapLog(Source):
         reader = TopicReader(self.file, topic)
         for message in self.file.messages(topic.channels):
             try:
-                return reader.adapter.frame(reader.decoded(message))
-            except (UnusableObservation, LookupError, AttributeError):
+                decoded = reader.decoded(message)
+                frame: str = call(reader.adapter, "frame", decoded, check=contract.text)
+                return frame
+            except ContractError:
+                raise
+            except (UnusableObservation, ComponentError):
                 continue  # counted when the scans are read
         return ""
 

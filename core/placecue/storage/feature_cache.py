@@ -28,10 +28,8 @@ from placecue.errors import ComponentError, PlacecueError, UnusableObservation, 
 from placecue.extraction import AnyCue, Extracted, Extraction, ready
 from placecue.features import Features, single, stack
 from placecue.observation import Observation, Origin
-from placecue.source import Source
 from placecue.storage import cache_folder
 from placecue.storage.arrays import read_arrays, write_arrays
-from placecue.storage.cached_log import CachedLog
 from placecue.storage.shard import SIZE, Entry, Shard
 from placecue.storage.state import Decoder, Encoder, learned
 
@@ -61,7 +59,6 @@ class FeatureCache(Extraction):
         self.registry = registry
         self.max_size = max_size
         self._keys = _Keys(registry)
-        self._names: dict[str, str] = {}
         self._shards: dict[Path, Shard] = {}
         self._about: dict[Path, Mapping[str, Any]] = {}
         self._writable = True
@@ -82,11 +79,6 @@ class FeatureCache(Extraction):
                 cache_folder.trim(self.folder, self.max_size * _GIGA)
 
     # ------------------------------------------------------------------ what Extraction promises
-
-    def following(self, source: Source) -> Source:  # noqa: D102
-        cached = CachedLog(source)
-        self._names[cached.digest()] = source.name
-        return cached
 
     def extract(  # noqa: D102
         self, cue: Cue, observations: Sequence[Observation], *, skip: bool = False
@@ -128,7 +120,12 @@ class FeatureCache(Extraction):
     ) -> AnyCue:
         if any(origin is None for origin in origins):
             return super().fit(cue, observations, labels, origins)
-        seen = _digest([list(map(list, filter(None, origins))), np.asarray(labels).tolist()])
+        seen = _digest(
+            [
+                [[each.log, each.number, each.altered] for each in origins if each is not None],
+                np.asarray(labels).tolist(),
+            ]
+        )
         if self._keys(cue, "") is None:
             return super().fit(cue, observations, labels, origins)
         about = {**self._keys.about(cue), "log": f"{len(origins)} samples", "seen": seen}
@@ -176,7 +173,7 @@ class FeatureCache(Extraction):
             return current
         if current is None:
             about = {**self._keys.about(cue), "altered": origin.altered}
-            self._about[folder] = {**about, "log": self._names.get(origin.log, "")}
+            self._about[folder] = {**about, "log": origin.recording.name}
             cache_folder.touch(folder)
         self._save(folder)
         self._shards[folder] = Shard(path)

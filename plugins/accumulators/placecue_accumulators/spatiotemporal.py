@@ -7,9 +7,11 @@ from math import isfinite, pi
 import numpy as np
 from sklearn.base import clone
 
+from placecue import contracts
 from placecue.accumulator import Accumulator, AreaUpdate, Boundary
 from placecue.belief import Belief
 from placecue.errors import DataError, UsageError
+from placecue.guard import call
 from placecue.observation import Observation, Pose2D
 from placecue.scores import Layout
 from placecue.semantic_map import UNKNOWN, Node, SemanticMap
@@ -180,7 +182,9 @@ class SpatioTemporal(Accumulator):
         self.pose_ = pose
 
     def _follow(self, observation: Observation, pose: Pose2D) -> None:
-        crossed = self.boundary_.update(observation)
+        crossed: Pose2D | None = call(
+            self.boundary_, "update", observation, check=contracts.crossing, at=observation
+        )
         if self.graph_.current is None:  # so that there is an area before any gateway
             self._take(self.graph_.visit(pose.x, pose.y), observation.stamp)
         step = None

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import takewhile
 from typing import Any
 
-from placecue.errors import DataError, UnusableObservation
-from placecue.logs.adapters import adapter_for
+from placecue.errors import ContractError, DataError, UnusableObservation
+from placecue.guard import call
+from placecue.logs.adapters import adapter_for, contract
 from placecue.logs.joining.items import TopicReader
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import decoder_for
@@ -36,7 +38,7 @@ def _is_depth(file: LogFile, topic: Topic) -> bool:
     adapter = adapter_for(topic.encoding, topic.schema)
     if adapter is None or adapter.role != "image" or topic.count == 0:
         return False
-    pixels = _first(file, topic, adapter.pixels) or ""
+    pixels = _first(file, topic, partial(call, adapter, "pixels", check=contract.text)) or ""
     name = pixels.lower().partition(";")[0].strip()
     deep = name == "mono16" and "depth" in topic.name.lower()
     return deep or name in DEPTH_FORMATS or "compresseddepth" in pixels.lower()
@@ -52,6 +54,8 @@ def _first(file: LogFile, topic: Topic, read: Callable[[Any], Any]) -> Any:
             return read(decode(message.data))
         except DataError:
             return None  # said when the topic is read
+        except ContractError:
+            raise
         except Exception:  # decoders raise anything over damaged bytes
             continue
     return None

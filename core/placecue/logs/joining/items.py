@@ -7,8 +7,10 @@ from typing import Any
 
 from mcap.records import Message
 
-from placecue.errors import DataError, UnusableObservation
-from placecue.logs.adapters import adapter_for
+from placecue import contracts
+from placecue.errors import ContractError, DataError, UnusableObservation
+from placecue.guard import call
+from placecue.logs.adapters import adapter_for, contract
 from placecue.logs.adapters.base import Role
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
@@ -77,6 +79,7 @@ class TopicReader:
         self.adapter = adapter
         self.role: Role = adapter.role
         self.finish = finish
+        self._check = contract.VALUES[adapter.role]
         contents = file.contents
         channels = {number: contents.channels[number] for number in topic.channels}
         self._decode = {
@@ -99,7 +102,11 @@ class TopicReader:
                 decoded = None
             else:
                 decoded = self._decode[message.channel_id](message.data)
-                stamp = self.adapter.stamp(decoded)
+                stamp = call(self.adapter, "stamp", decoded, check=contracts.stamp)
+                if not contracts.fits(stamp):
+                    raise OverflowError(f"a stamp of {stamp} ns")
+        except ContractError:
+            raise
         except Exception as error:  # decoders raise anything over damaged bytes
             raise self._unusable(message.log_time, error) from error
         stamp = stamp if stamp > 0 else message.log_time
@@ -122,8 +129,9 @@ class TopicReader:
         try:
             if decoded is None:
                 decoded = self._decode[message.channel_id](message.data)
-            value = self.adapter.value(decoded, f"{self.topic.name} at stamp {stamp}")
-        except UnusableObservation:
+            origin = f"{self.topic.name} at stamp {stamp}"
+            value = call(self.adapter, "value", decoded, origin, check=self._check)
+        except (UnusableObservation, ContractError):
             raise
         except Exception as error:  # decoders raise anything over damaged bytes
             raise self._unusable(stamp, error) from error

@@ -38,6 +38,13 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterable[T
 def shown() -> Iterator[None]:
     """Show a bar on standard error for every :func:`track` inside that takes over a second."""
     from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        # A disabled Progress of rich before 14.3 writes an empty line all the same.
+        yield
+        return
+
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -47,7 +54,6 @@ def shown() -> Iterator[None]:
         TimeElapsedColumn,
     )
 
-    console = Console(stderr=True)
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
@@ -55,9 +61,7 @@ def shown() -> Iterator[None]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bars:
+    with Progress(*columns, console=console, transient=True) as bars:
 
         def report(items: Iterable[T], what: str, total: int | None) -> Iterator[T]:
             length = total if total is not None else length_hint(items, -1)

@@ -11,6 +11,10 @@ from placecue.errors import DataError, UsageError
 from placecue.scores import Decision
 from placecue.semantic_map import UNKNOWN
 
+#: Confidences nearer to one another than this share of the largest are ties: batches of another
+#: size, or another BLAS, move a score by its last digits.
+TIE = 1e-9
+
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
@@ -58,7 +62,11 @@ class Rejection:
 def choose_threshold(
     confidence: ArrayLike, correct: ArrayLike, false_accept_rate: float = 0.05
 ) -> Rejection:
-    """Choose the smallest threshold that lets no more than the wanted share of errors pass.
+    """Choose the threshold that accepts most and lets no more than the wanted share of errors pass.
+
+    It lies in the middle of the gap between the surest error that must not pass and the next
+    larger confidence, right or wrong, so that no sample lies on it. Confidences that differ by
+    less than rounding (``TIE``) are equal, and fall on the same side.
 
     Parameters
     ----------
@@ -73,30 +81,27 @@ def choose_threshold(
     Returns
     -------
     Rejection
-        Without wrong decisions, the threshold is the smallest confidence of all: less than what
-        was seen is unknown.
+        Where every decision may pass, as without wrong ones, the threshold lies just below the
+        smallest confidence: less than what was seen is unknown. Where no confidence is larger than
+        that of an error that must not pass, it lies just above: nothing that was seen passes.
 
     Raises
     ------
     UsageError
         If the wanted rate is not in 0 to 1.
     DataError
-        If there is no sample, or a confidence is NaN.
+        If there is no sample, or a confidence is not finite.
     """
     _check_rate(false_accept_rate)
     confidence = np.asarray(confidence, dtype=np.float64)
     correct = np.asarray(correct, dtype=bool)
-    if len(confidence) == 0 or np.isnan(confidence).any():
+    endless = int((~np.isfinite(confidence)).sum())
+    if len(confidence) == 0 or endless:
         raise DataError(
-            f"a threshold for 'unknown' needs the confidence of held-out samples, got "
-            f"{len(confidence)} with {int(np.isnan(confidence).sum())} NaN"
+            f"a threshold for 'unknown' needs the finite confidence of held-out samples, got "
+            f"{len(confidence)} samples, {endless} of them NaN or infinite"
         )
-    # Counting down from the surest error: so many may pass, and the next must not.
-    wrong = np.sort(confidence[~correct])[::-1]
-    passing = int(np.floor(false_accept_rate * len(wrong) + 1e-9))
-    threshold = float(confidence.min())
-    if passing < len(wrong):
-        threshold = float(np.nextafter(wrong[passing], np.inf))
+    threshold = _threshold(np.sort(confidence), np.sort(confidence[~correct]), false_accept_rate)
     accepted = confidence >= threshold
     return Rejection(
         threshold,
@@ -105,6 +110,20 @@ def choose_threshold(
         n_wrong=int((~correct).sum()),
         n_right=int(correct.sum()),
     )
+
+
+def _threshold(confidence: NDArray[np.float64], wrong: NDArray[np.float64], rate: float) -> float:
+    """Return the middle of the first gap above the errors that must not pass; both are sorted."""
+    tie = TIE * float(np.abs(confidence).max() or 1.0)
+    # Counting down from the surest error: so many may pass, and the next must not.
+    kept_out = len(wrong) - int(np.floor(rate * len(wrong) + 1e-9))
+    if kept_out == 0:
+        return float(confidence[0] - tie)
+    above = confidence[np.searchsorted(confidence, wrong[kept_out - 1]) :]
+    gaps = np.flatnonzero(np.diff(above) > tie)
+    if len(gaps) == 0:
+        return float(above[-1] + tie)
+    return float(above[gaps[0]] / 2 + above[gaps[0] + 1] / 2)
 
 
 def _share(accepted: NDArray[np.bool_]) -> float:

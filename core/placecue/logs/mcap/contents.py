@@ -6,8 +6,9 @@ import logging
 import zlib
 from collections import Counter
 from dataclasses import dataclass, field
+from io import BufferedReader, RawIOBase
 from pathlib import Path
-from typing import IO
+from typing import IO, cast
 
 from mcap.reader import FOOTER_SIZE, SeekingReader
 from mcap.records import (
@@ -95,7 +96,7 @@ def _from_summary(path: Path, size: int) -> Contents | None:
     """Return what the summary says, or None where there is none to rely on."""
     with path.open("rb") as file:
         try:
-            reader = SeekingReader(file, record_size_limit=size)
+            reader = SeekingReader(_Within(file, size), record_size_limit=size)
             summary = reader.get_summary()
             if summary is None or not _complete(summary) or not _matches_checksum(file, size):
                 return None
@@ -115,6 +116,17 @@ def _from_summary(path: Path, size: int) -> Contents | None:
         metadata=metadata,
         profile=profile,
     )
+
+
+class _Within(BufferedReader):
+    """Asks for no more than a file holds: a damaged length would reserve gigabytes."""
+
+    def __init__(self, file: IO[bytes], size: int) -> None:
+        super().__init__(cast(RawIOBase, file))
+        self.most = size
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        return super().read(self.most if size is None else min(size, self.most))
 
 
 def _complete(summary: Summary) -> bool:

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from placecue import progress
+from placecue.atomic import made, write_json
 from placecue.commands import show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
@@ -14,7 +15,6 @@ from placecue.evaluation.tally import Tally
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import AnnotatedLog
-from placecue.storage.atomic import made, write_json
 from placecue.storage.belief_table import belief_table
 from placecue.storage.model import load_model
 

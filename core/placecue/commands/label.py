@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from placecue import progress
+from placecue.atomic import made, write_json
 from placecue.commands import show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of
@@ -19,7 +20,6 @@ from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
-from placecue.storage.atomic import made, write_json
 from placecue.storage.belief_table import belief_table
 from placecue.storage.model import load_model
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from placecue import progress
+from placecue.atomic import made
 from placecue.commands import show
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, path_of, single_logs
@@ -13,7 +14,6 @@ from placecue.components.manager import current_plugins
 from placecue.components.pipelines import build_pipeline
 from placecue.evaluation.training_report import write_training_report
 from placecue.pipeline import Pipeline
-from placecue.storage.atomic import made
 from placecue.storage.model import save_model
 
 OUT_IS_FOLDER = True

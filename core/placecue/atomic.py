@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 from placecue.errors import DataError, UsageError
 
@@ -172,7 +171,7 @@ def _locked(path: Path) -> tuple[Path, int]:
     """Make an empty file beside a path and lock it; return both."""
     while True:
         # Names have at most 255 bytes.
-        name = f".{path.name[:50]}.{uuid4().hex[:8]}{SUFFIX}"
+        name = f".{path.name[:50]}.{os.urandom(4).hex()}{SUFFIX}"
         temporary = path.with_name(name)
         lock = os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
         with suppress(OSError):  # a file system without locks: its dead parts stay

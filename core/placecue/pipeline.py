@@ -55,6 +55,8 @@ class Pipeline:
     ----------
     extraction : Extraction
         How features come from observations: straight from the cues, unless one sets a cache here.
+    on_error : {"stop", "skip"}
+        What becomes of an observation that a component fails on.
     rejection_ : Rejection or None
         The threshold below which a decision is "unknown", chosen by :meth:`fit`.
     held_out_ : HeldOut or None
@@ -90,6 +92,7 @@ class Pipeline:
         self.folds = InterleavedChunks() if folds is None else folds
         self.unknown = unknown
         self.extraction = Extraction()
+        self.on_error = "stop"
         self.rejection_: Rejection | None = None
         self.held_out_: HeldOut | None = None
 

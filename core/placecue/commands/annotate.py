@@ -14,7 +14,7 @@ from placecue.logs.reader import McapLog
 from placecue.logs.writing.annotate import annotate, label_events
 from placecue.source import Source
 
-OUT_IS_FOLDER = False
+WRITES = None
 
 
 def run(config: dict[str, Any]) -> None:

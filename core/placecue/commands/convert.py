@@ -12,7 +12,7 @@ from placecue.components.manager import current_plugins
 from placecue.logs.writing.convert import copy
 from placecue.logs.writing.writer import McapWriter
 
-OUT_IS_FOLDER = False
+WRITES = None
 
 
 def run(config: dict[str, Any]) -> None:

@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from placecue.commands import convert, files, label, show, tables, train
-from placecue.commands.logs import path_of
+from placecue.commands.logs import on_error_of, path_of
 from placecue.components.manager import current_plugins
 from placecue.errors import PlacecueError
 from placecue.evaluation.tally import Tally
@@ -19,6 +19,7 @@ WRITES = files.DEMONSTRATED
 def run(config: dict[str, Any]) -> None:
     """Go from nothing to a semantic map and say where everything is."""
     started, out = perf_counter(), path_of(config, "out")
+    on_error_of(config)  # wrong words are told before the recording, not after it
     logs = [out / name for name in files.LOGS]
     for number, log in enumerate(logs, 1):
         print(f"recording {log} in a simulated office ...")

@@ -14,6 +14,7 @@ from placecue.commands.files import of_older_run
 from placecue.commands.inputs import Inputs
 from placecue.commands.logs import path_of
 from placecue.errors import UsageError
+from placecue.evaluation.training_report import SEARCHES
 
 #: How many of the files that are in the way are named.
 NAMED = 3
@@ -51,6 +52,7 @@ def guarded(config: Mapping[str, Any], writes: Sequence[str] | None) -> Iterator
         folders = {out, *((out / name).parent for name in writes)}
         for folder in folders:
             remove_dead_parts(folder)
+            remove_dead_parts(folder / SEARCHES)
         older = [path for folder in folders for path in of_older_run(folder)]
         written = [out / name for name in writes]
         _check_folder(out, inputs, _overwrites(config), {*older, *written})

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
+from importlib.metadata import entry_points
 from pathlib import Path
 
 from hydra.core.global_hydra import GlobalHydra
@@ -67,10 +68,8 @@ def succeeds(*words: str) -> Told:
 @contextmanager
 def _as_it_was() -> Iterator[None]:
     """Undo what a command does to the process: its loggers, its arguments, its environment."""
-    loggers = {
-        name: logging.getLogger(name)
-        for name in ("placecue", "placecue_cues", "placecue_sources", "placecue_accumulators")
-    }
+    packages = {each.module.partition(".")[0] for each in entry_points(group="placecue")}
+    loggers = {name: logging.getLogger(name) for name in packages}
     before = {name: (each.handlers, each.propagate, each.level) for name, each in loggers.items()}
     arguments, environment = sys.argv, dict(os.environ)
     try:

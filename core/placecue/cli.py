@@ -9,11 +9,9 @@ import os
 import sys
 from collections.abc import Sequence
 
-from placecue.commands.names import COMMANDS
+from placecue import interruption
+from placecue.commands.names import COMMANDS, TRACEBACK
 from placecue.errors import PlacecueError, UsageError, choices
-
-#: Set to 1 for full tracebacks; ``hydra.verbose=true`` does it for one run.
-TRACEBACK = "PLACECUE_TRACEBACK"
 
 HELP = """\
 placecue: what kind of place a robot is in, from many cues.
@@ -34,17 +32,23 @@ eval "$(placecue -sc install=bash)"           tab completion (or fish)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line; exits with 0, 1 (data), 2 (usage) or 141 (nobody reads on)."""
+    """Run the command line.
+
+    Exits with 0, 1 (data), 2 (usage), 130 (interrupted) or 141 (nobody reads on).
+    """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if "--no-plugins" in words:
         words = [word for word in words if word != "--no-plugins"]
         os.environ["PLACECUE_NO_PLUGINS"] = "1"
     try:
-        status = run(words)
+        with interruption.ending_in_time():
+            status = run(words)
         sys.stdout.flush()
     except BrokenPipeError:  # such as "placecue --help | head"
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 141
+    if status == interruption.STATUS:
+        interruption.end()
     sys.exit(status)
 
 
@@ -74,7 +78,7 @@ def run(words: list[str]) -> int:
     except BrokenPipeError:
         raise
     except KeyboardInterrupt as error:
-        return _failed(words, str(error) or "interrupted", 130)
+        return _failed(words, str(error) or "interrupted", interruption.STATUS)
     except Exception as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return _failed(

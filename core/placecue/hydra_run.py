@@ -7,8 +7,10 @@ import logging
 import os
 import re
 import sys
+from collections.abc import Iterable
 from contextlib import redirect_stderr
 from importlib import import_module
+from types import ModuleType
 from typing import Any, cast
 
 import hydra
@@ -25,6 +27,7 @@ from omegaconf.errors import (
     OmegaConfBaseException,
 )
 
+from placecue.commands.names import TRACEBACK
 from placecue.components.build import plain
 from placecue.components.hooks import Kind
 from placecue.components.manager import current_plugins
@@ -52,15 +55,17 @@ def run_command(command: str, overrides: list[str]) -> int:
     PlacecueError
         If anything goes wrong on purpose.
     """
-    _log_to_stderr()
+    _log_to_stderr(["placecue"])
+    logging.getLogger("placecue").setLevel(logging.INFO)
     overrides = _overrides_first(overrides)
     _check_words(command, overrides)
     register_with_hydra()
+    _log_to_stderr(_packages())
     # Hydra would print exceptions itself and exit; ours go up to the command line instead.
     os.environ["HYDRA_FULL_ERROR"] = "1"
     sys.argv = ["placecue", *overrides]
     try:
-        return _enter(Task(command))
+        return _enter(Task(command, overrides))
     except (PlacecueError, BrokenPipeError):
         raise
     except Exception as error:
@@ -89,6 +94,8 @@ class Task:
     ----------
     command : str
         The command.
+    words : list of str
+        What stands after it on the command line.
 
     Attributes
     ----------
@@ -100,8 +107,9 @@ class Task:
         How many jobs of a sweep were run.
     """
 
-    def __init__(self, command: str) -> None:
+    def __init__(self, command: str, words: list[str]) -> None:
         self.command = command
+        self.words = words
         self.error: Exception | None = None
         self.failed: dict[str, Exception] = {}
         self.jobs = 0
@@ -134,13 +142,32 @@ class Task:
             self.failed[f"job {job.num} ({job.override_dirname})"] = error
 
     def _run(self, config: DictConfig, job: int | None = None) -> None:
+        from placecue.commands.outputs import guarded
+
         module = import_module(f"placecue.commands.{self.command}")
         settings: dict[str, Any] = plain(config)
-        if job is not None and module.OUT_IS_FOLDER:
-            from placecue.commands.logs import path_of
+        if job is not None and settings.get("out") is not None:
+            settings["out"] = self._out_of_job(config, settings, job, module.WRITES is not None)
+        with guarded(settings, module.WRITES):
+            try:
+                module.run(settings)
+            except SystemExit as error:
+                raise PlacecueError(
+                    f"{self.command} broke off: something called sys.exit({error.code!r}) in the "
+                    f"middle of it; {TRACEBACK}=1 before the command shows where"
+                ) from error
 
-            settings["out"] = str(path_of(settings, "out") / str(job))
-        module.run(settings)
+    def _out_of_job(
+        self, config: DictConfig, settings: dict[str, Any], job: int, is_folder: bool
+    ) -> str:
+        """Return where a job of a sweep writes."""
+        from placecue.commands.logs import path_of
+        from placecue.commands.numbered import of_job, swept_keys, tells_jobs_apart
+
+        out = path_of(settings, "out")
+        swept = swept_keys(self.words, HydraConfig.get().sweeper.get("params") or {})
+        named = not is_folder and tells_jobs_apart(config, swept)
+        return str(out if named else of_job(out, job, is_folder))
 
     def report(self) -> None:
         """Raise one error over the jobs of a sweep that failed; the others have run."""
@@ -194,14 +221,20 @@ def _overrides_first(words: list[str]) -> list[str]:
     return sorted(words, key=lambda word: re.match(r"[^-=][^=]*=|~", word) is None)
 
 
-def _log_to_stderr() -> None:
+def _log_to_stderr(packages: Iterable[str]) -> None:
+    """Show what packages have to say, a line each."""
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("placecue: %(message)s"))
-    logger = logging.getLogger("placecue")
-    for name in ("placecue", "placecue_cues", "placecue_sources", "placecue_accumulators"):
+    for name in packages:
         logging.getLogger(name).handlers = [handler]
         logging.getLogger(name).propagate = False
-    logger.setLevel(logging.INFO)
+
+
+def _packages() -> set[str]:
+    """Return the top-level packages of all plugins that loaded."""
+    plugins = current_plugins().manager.get_plugins()
+    modules = (p.__name__ if isinstance(p, ModuleType) else type(p).__module__ for p in plugins)
+    return {module.partition(".")[0] for module in modules}
 
 
 def _in_one_line(command: str, overrides: list[str], error: Exception) -> PlacecueError | None:

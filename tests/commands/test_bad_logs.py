@@ -218,7 +218,8 @@ def test_an_earlier_result_survives_a_failure(
     goes_on("label", f"model={laser_model}", f"log={log_b}", "out=out")
     before = {path: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     log = log_of(tmp_path, all_nan)
-    assert placecue("label", f"model={laser_model}", log, "out=out").status == 1
+    words = ["label", f"model={laser_model}", log, "out=out", "overwrite=true"]
+    assert placecue(*words).status == 1
     assert {path: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+from omegaconf import OmegaConf
+
 from command_line import placecue, succeeds
+from placecue.commands.numbered import swept_keys, tells_jobs_apart
 from placecue.logs import open_log
 
 CRFH = ["cue=crfh", "integrator=none", "cues.crfh.classifier.search=null"]
@@ -62,3 +66,60 @@ def test_a_wrong_value_among_them(tmp_path: Path, log_a: Path) -> None:
     assert told.status == 2
     assert told.line.startswith("2 of 2 jobs failed")
     assert "classify needs model=" in told.line
+
+
+def test_one_out_for_all_is_numbered(tmp_path: Path, log_a: Path) -> None:
+    words = ["convert", "-m", "source=mcap", f"log={log_a}", "encoding=cdr,json"]
+    succeeds(*words, "out=made/a.mcap")
+    assert sorted(path.name for path in (tmp_path / "made").iterdir()) == ["a_0.mcap", "a_1.mcap"]
+    kinds = {open_log(tmp_path / "made" / f"a_{job}.mcap").topics[0].encoding for job in "01"}
+    assert kinds == {"cdr", "json"}
+    told = placecue(*words, "out=made/a.mcap")
+    assert told.line.startswith("2 of 2 jobs failed: job 0 (")
+    assert "out=made/a_0.mcap is there already" in told.line
+
+
+def test_a_copy_for_each_log(tmp_path: Path, log_a: Path, log_b: Path) -> None:
+    labels = "label_map={lab: office}"
+    succeeds("annotate", "-m", f"log={log_a},{log_b}", labels, "out=copy.mcap")
+    for job, log in zip("01", (log_a, log_b), strict=True):
+        copy = open_log(tmp_path / f"copy_{job}.mcap", label_topic="/placecue/label")
+        assert [each.pose for each in copy.trail()] == [each.pose for each in open_log(log).trail()]
+
+
+@pytest.mark.parametrize(
+    ("out", "swept", "apart"),
+    [
+        ("a.mcap", {"encoding"}, False),
+        ("a.mcap", {"out"}, True),
+        ("a.mcap", {"out", "encoding"}, False),
+        ("${encoding}.mcap", {"encoding"}, True),
+        ("${encoding}.mcap", {"encoding", "source.seed"}, False),
+        ("${encoding}/${source.seed}.mcap", {"encoding", "source.seed"}, True),
+        ("${name}.mcap", {"encoding"}, True),  # which is made of it
+        ("${source.plugin}.mcap", {"source"}, True),  # a choice of a group
+        ("${sources}.mcap", {"source"}, False),
+        ("${itself}.mcap", {"encoding"}, False),
+    ],
+)
+def test_an_out_that_names_what_changes_keeps_its_name(
+    out: str, swept: set[str], apart: bool
+) -> None:
+    source = {"plugin": "office", "seed": 0}
+    rest = {"name": "run_${encoding}", "sources": "two", "itself": "${itself}"}
+    config = OmegaConf.create({"out": out, "encoding": "cdr", "source": source, **rest})
+    assert tells_jobs_apart(config, swept) == apart
+
+
+def test_what_is_swept() -> None:
+    words = ["-m", "encoding=cdr,json", "source.seed=range(3)", "log=[a,b]", "out='a,b'", "~world"]
+    assert swept_keys(words, ["source.run"]) == {"encoding", "source.seed", "source.run"}
+
+
+def test_the_benchmark_of_twelve_names_its_logs(tmp_path: Path) -> None:
+    """Its option sweeps by itself, and says so in out."""
+    small = ["source.samples=2", "source.width=32", "source.height=24", "source.beams=9"]
+    only = ["source.illumination=night", "source.run=1,2"]
+    succeeds("convert", "-m", "world=office_idol", "out_dir=of", *only, *small)
+    names = sorted(path.name for path in (tmp_path / "of" / "world0").iterdir())
+    assert names == ["idol_night1.mcap", "idol_night2.mcap"]

@@ -122,6 +122,7 @@ def test_every_option_of_kernel_and_classifier(
 def test_training_again_replaces_the_model(tmp_path: Path, log_a: Path, log_b: Path) -> None:
     out = tmp_path / "2024"
     for log in (log_a, log_b):
-        succeeds("train", *CRFH, f"log={log}", "out=2024")  # digits are a name like any other
+        words = [*CRFH, f"log={log}", "out=2024"]  # digits are a name like any other
+        succeeds("train", *words, "overwrite=true")
     manifest = json.loads((out / "manifest.json").read_text())
     assert [each["name"] for each in manifest["logs"]] == ["b.mcap"]

@@ -112,7 +112,7 @@ def test_nothing_searched_and_no_probabilities_leave_nothing(tmp_path: Path, log
     succeeds(*words, f"{SEARCH}.C=[1,10]", PROBABILITY)
     assert (out / "search" / "laser.md").exists()
     assert (out / "reliability.png").exists()
-    told = succeeds(*words, f"{SEARCH}=null")  # what was there is of another model
+    told = succeeds(*words, f"{SEARCH}=null", "overwrite=true")
     assert not (out / "reliability.png").exists()
     assert not (out / "search").exists()
     assert "parameter searches" not in told.out
@@ -177,11 +177,13 @@ def test_cues_with_probabilities_and_the_integrator_are_in_one_diagram() -> None
 def test_a_picture_that_fails_loses_no_model(
     tmp_path: Path, log_a: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    out = tmp_path / "m"
+
     def fail(*_: object, **__: object) -> None:
+        assert not (out / "manifest.json").exists()  # which says that all is there
         raise PlacecueError("no room for a picture")
 
     monkeypatch.setattr(training_report, "draw_search", fail)
-    out = tmp_path / "m"
     told = placecue("train", *LASER, f"log={log_a}", f"out={out}", f"{SEARCH}.C=[1,10]")
     assert (told.status, told.line) == (1, "no room for a picture")
     assert searches(load_model(out, REGISTRY))["laser"]["C"]

@@ -149,4 +149,4 @@ def test_a_class_called_unknown(tmp_path: Path) -> None:
     assert told.status == 1
     assert "there are samples of a class called 'unknown'" in told.line
     succeeds(*words, f"{RATE}=0.1", "label_map={unknown: null}")
-    succeeds(*words)
+    succeeds(*words, "overwrite=true")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from placecue import progress
+from placecue.atomic import made
 from placecue.commands.logs import open_source, path_of, single_logs
 from placecue.components.manager import current_plugins
 from placecue.errors import DataError, UsageError
@@ -12,9 +13,8 @@ from placecue.labels.relabelled import Relabelled
 from placecue.logs.reader import McapLog
 from placecue.logs.writing.annotate import annotate, label_events
 from placecue.source import Source, innermost
-from placecue.storage.atomic import made
 
-OUT_IS_FOLDER = False
+WRITES = None
 
 
 def run(config: dict[str, Any]) -> None:

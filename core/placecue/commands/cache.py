@@ -11,7 +11,7 @@ from placecue.commands.features import at_least_0, cache_of
 from placecue.errors import UsageError
 from placecue.storage.cache_folder import DAY, Kept, contents, trim
 
-OUT_IS_FOLDER = False
+WRITES = None
 _MEGA, _GIGA = 1e6, 1e9
 
 

@@ -6,26 +6,27 @@ from contextlib import ExitStack
 from typing import Any
 
 from placecue import progress
-from placecue.commands import show, tables
+from placecue.atomic import made, write_json
+from placecue.commands import files, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import open_source, path_of
+from placecue.commands.logs import on_error_of, open_source, path_of
 from placecue.components.manager import current_plugins
 from placecue.evaluation.tally import Tally
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import AnnotatedLog
-from placecue.storage.atomic import made, write_json
 from placecue.storage.belief_table import belief_table
 from placecue.storage.model import load_model
 
-OUT_IS_FOLDER = True
+WRITES = files.CLASSIFIED
 
 
 def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry)
-    table, annotated, metrics = out / "beliefs.csv", out / "beliefs.mcap", out / "metrics.json"
+    pipeline.on_error = on_error_of(config)
+    table, annotated, metrics = (out / name for name in files.CLASSIFIED)
     tally = Tally()
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from placecue import progress
+from placecue.atomic import made
 from placecue.commands.logs import open_source, path_of
 from placecue.components.manager import current_plugins
 from placecue.logs.writing.convert import copy
 from placecue.logs.writing.writer import McapWriter
-from placecue.storage.atomic import made
 
-OUT_IS_FOLDER = False
+WRITES = None
 
 
 def run(config: dict[str, Any]) -> None:

@@ -6,29 +6,30 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from placecue.commands import convert, label, show, tables, train
-from placecue.commands.logs import path_of
+from placecue.commands import convert, files, label, show, tables, train
+from placecue.commands.logs import on_error_of, path_of
 from placecue.components.manager import current_plugins
 from placecue.errors import PlacecueError
 from placecue.evaluation.tally import Tally
 from placecue.semantic_map import UNKNOWN
 
-OUT_IS_FOLDER = True
+WRITES = files.DEMONSTRATED
 
 
 def run(config: dict[str, Any]) -> None:
     """Go from nothing to a semantic map and say where everything is."""
     started, out = perf_counter(), path_of(config, "out")
-    logs = [out / "run1.mcap", out / "run2.mcap"]
+    on_error_of(config)  # wrong words are told before the recording, not after it
+    logs = [out / name for name in files.LOGS]
     for number, log in enumerate(logs, 1):
         print(f"recording {log} in a simulated office ...")
         convert.convert({**config, "source": {**config["source"], "run": number}}, log)
 
     print(f"training {' + '.join(config['cues'])} on {logs[0].name} ...")
-    show.training(*train.train({**config, "source": _reading(logs[0])}, out / "model"))
+    show.training(*train.train({**config, "source": _reading(logs[0])}, out / files.MODEL))
 
     print(f"\nclassifying and labelling {logs[1].name}, which the model has not seen ...")
-    tally, labelled = Tally(), {**config, "model": out / "model", "source": _reading(logs[1])}
+    tally, labelled = Tally(), {**config, "model": out / files.MODEL, "source": _reading(logs[1])}
     semantic_map = label.label(labelled, out, tally)
     if not tally.counts:
         raise PlacecueError(f"{logs[1]} gave no belief on a labelled observation: nothing to score")
@@ -36,7 +37,7 @@ def run(config: dict[str, Any]) -> None:
 
     named = [area for area in semantic_map.areas if area.label != UNKNOWN]
     print(f"\n{len(semantic_map.areas)} areas, {len(named)} of them labelled")
-    made = [("logs", out / "run*.mcap"), ("model", out / "model")]
+    made = [("logs", out / "run*.mcap"), ("model", out / files.MODEL)]
     tables.written([*made, *label.results(out, True)])
     print(
         f"\ndone in {perf_counter() - started:.0f} s. next:\n"

@@ -20,7 +20,7 @@ from placecue.logs.reader import McapLog
 from placecue.semantic_map import SemanticMap
 from placecue.source import Source, innermost
 
-OUT_IS_FOLDER = False
+WRITES = None
 NO_LABEL = "without a label"
 
 

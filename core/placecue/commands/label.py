@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from placecue import contracts, progress
-from placecue.commands import show, tables
+from placecue.atomic import made, write_json
+from placecue.commands import files, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import open_source, path_of
+from placecue.commands.logs import on_error_of, open_source, path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.map_figure import draw_semantic_map
@@ -18,13 +19,12 @@ from placecue.evaluation.tally import Tally
 from placecue.guard import call
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
-from placecue.logs.writing.annotated import AnnotatedLog, write_layout
+from placecue.logs.writing.annotated import LAYOUT, AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
-from placecue.storage.atomic import made, write_json
 from placecue.storage.belief_table import belief_table
 from placecue.storage.model import load_model
 
-OUT_IS_FOLDER = True
+WRITES = files.LABELLED
 
 
 def run(config: dict[str, Any]) -> None:
@@ -43,6 +43,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     """Run a model over a log and write everything that comes of it into ``out``."""
     plugins = current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry)
+    pipeline.on_error = on_error_of(config)
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     surroundings = Surroundings()
     tally.says_unknown = pipeline.rejection_ is not None
@@ -51,41 +52,41 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         parts = (*pipeline.requires, "scan", "pose", "label")
         log = open_source(config, plugins, parts=parts)
         made(out)
-        annotated = stack.enter_context(AnnotatedLog(out / "annotated.mcap", pipeline.classes))
+        annotated = stack.enter_context(AnnotatedLog(out / files.ANNOTATED, pipeline.classes))
         listeners: list[Listener] = [
             tally,
             surroundings,
             annotated,
-            stack.enter_context(belief_table(out / "beliefs.csv")),
+            stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
         annotated.close_with(semantic_map)
     write_layout(out)
-    write_json(out / "semantic_map.geojson", semantic_map.to_geojson())
+    write_json(out / files.GEOJSON, semantic_map.to_geojson())
     draw_semantic_map(
         semantic_map,
-        out / "semantic_map.png",
+        out / files.PICTURE,
         points=surroundings.points,
         classes=pipeline.classes,
         truth=surroundings.truth,
         title=log.name,
     )
     if tally.counts:
-        write_json(out / "metrics.json", tally.to_json())
-    write_json(out / "semantic_map.json", semantic_map.to_json())
+        write_json(out / files.SCORES, tally.to_json())
+    write_json(out / files.MAP, semantic_map.to_json())
     return semantic_map
 
 
 def results(out: Path, scored: bool) -> list[tuple[str, Path]]:
     """Return what :func:`label` writes, with a word on each file."""
     return [
-        *([("scores", out / "metrics.json")] if scored else []),
-        ("semantic map", out / "semantic_map.json"),
-        ("as GeoJSON", out / "semantic_map.geojson"),
-        ("its picture", out / "semantic_map.png"),
-        ("beliefs", out / "beliefs.csv"),
-        ("annotated log", out / "annotated.mcap"),
-        ("its layout for Foxglove or Lichtblick", out / "placecue_layout.json"),
+        *([("scores", out / files.SCORES)] if scored else []),
+        ("semantic map", out / files.MAP),
+        ("as GeoJSON", out / files.GEOJSON),
+        ("its picture", out / files.PICTURE),
+        ("beliefs", out / files.BELIEFS),
+        ("annotated log", out / files.ANNOTATED),
+        ("its layout for Foxglove or Lichtblick", out / LAYOUT),
     ]

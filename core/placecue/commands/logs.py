@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from placecue.checks import check_choice
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
@@ -14,6 +15,9 @@ from placecue.labels.label_map import LabelMap
 from placecue.labels.relabelled import Relabelled
 from placecue.observation import PARTS, Part
 from placecue.source import Chain, Source, guarded
+
+#: What may become of an observation that a component fails on; the first by default.
+ON_ERROR = ("stop", "skip")
 
 
 def open_source(
@@ -96,6 +100,19 @@ def relabelled(source: Source, config: Mapping[str, Any]) -> Source:
         read_rooms(str(rooms)) if rooms else None,
         LabelMap(names, config.get("unmapped_labels", "keep")) if names else None,
     )
+
+
+def on_error_of(config: Mapping[str, Any]) -> str:
+    """Return what becomes of an observation that a component fails on: stop or skip.
+
+    Raises
+    ------
+    UsageError
+        If it is neither.
+    """
+    on_error: str = config.get("on_error", ON_ERROR[0])
+    check_choice("on_error", on_error, ON_ERROR)
+    return on_error
 
 
 def path_of(config: Mapping[str, Any], key: str) -> Path:

@@ -1,4 +1,4 @@
-"""The commands of the command line, with a line on each."""
+"""The words of the command line: its commands, with a line on each."""
 
 from __future__ import annotations
 
@@ -13,3 +13,6 @@ COMMANDS = {
     "cache": "the features that are kept between runs; shows and trims them",
     "plugins": "the components that are installed, and plugins that do not load",
 }
+
+#: Set to 1 in the environment for full tracebacks; ``hydra.verbose=true`` does it for one run.
+TRACEBACK = "PLACECUE_TRACEBACK"

@@ -8,7 +8,7 @@ from placecue.components.manager import current_plugins
 from placecue.components.registry import Registry
 from placecue.errors import PluginError, UsageError, choices
 
-OUT_IS_FOLDER = False
+WRITES = None
 
 
 def run(config: dict[str, Any]) -> None:

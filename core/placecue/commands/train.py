@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from placecue import progress
-from placecue.commands import show
+from placecue.atomic import made
+from placecue.commands import files, show
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import open_source, path_of, single_logs
+from placecue.commands.logs import on_error_of, open_source, path_of, single_logs
 from placecue.components.manager import current_plugins
 from placecue.components.pipelines import build_pipeline
 from placecue.evaluation.training_report import write_training_report
 from placecue.pipeline import Pipeline
-from placecue.storage.atomic import made
 from placecue.storage.model import save_model
 
-OUT_IS_FOLDER = True
+WRITES = files.TRAINED
 
 
 def run(config: dict[str, Any]) -> None:
@@ -41,6 +41,7 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
     """
     plugins = current_plugins()
     pipeline = build_pipeline(config, plugins.registry)
+    pipeline.on_error = on_error_of(config)
     parts = (*pipeline.requires, "label")
     with extraction_of(config, plugins) as pipeline.extraction, progress.shown():
         log = open_source(config, plugins, parts=parts)
@@ -52,6 +53,9 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
         pipeline.fit(log, integration, reliability=True)
     if integration is not None and pipeline.held_out_ is not None:
         logs += single_logs(integration)
-    save_model(pipeline, out, plugins.registry, trained_on=logs, config=config)
-    # Last, so that nothing that goes wrong with a picture loses the model.
-    return pipeline, write_training_report(pipeline, out)
+    try:
+        report = write_training_report(pipeline, out)
+    finally:
+        # Last, as its manifest says that all is there; and a picture that fails loses no model.
+        save_model(pipeline, out, plugins.registry, trained_on=logs, config=config)
+    return pipeline, report

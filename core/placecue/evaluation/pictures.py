@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from placecue.atomic import replacing
 from placecue.errors import UsageError, choices
-from placecue.storage.atomic import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.atomic import write_text
 from placecue.evaluation.reliability import Reliability, draw_reliability, reliability
 from placecue.evaluation.search_figure import SCORE, Results, draw_search, search_table
 from placecue.evaluation.tally import INTEGRATED
 from placecue.pipeline import Pipeline
 from placecue.scores import Probabilities, Scores
-from placecue.storage.atomic import write_text
 
 INTEGRATOR = "integrator"
 SEARCHES, RELIABILITY = "search", "reliability.png"

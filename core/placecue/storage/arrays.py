@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from placecue.atomic import replacing
 from placecue.features import DescriptorSets
-from placecue.storage.atomic import replacing
 
 Parts = dict[str, NDArray[Any]]
 #: What :func:`parts_of` takes apart, by the names it gives them.

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import IO, Any
 
 from placecue.accumulator import AreaUpdate
+from placecue.atomic import replacing
 from placecue.belief import Belief
 from placecue.observation import Observation
-from placecue.storage.atomic import replacing
 
 COLUMNS = ("stamp", "label", "confidence", "cues", "truth", "x", "y", "theta")
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from placecue.atomic import write_json
 from placecue.storage import shard
-from placecue.storage.atomic import write_json
 
 ABOUT = "about.json"
 FORMAT = "placecue/features"

@@ -22,6 +22,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 import placecue
+from placecue.atomic import made, write_json, write_text
 from placecue.components.hooks import Kind
 from placecue.components.pipelines import build_pipeline, components_of, describe_pipeline
 from placecue.components.registry import Registry
@@ -30,7 +31,6 @@ from placecue.learning.rejection import Rejection
 from placecue.pipeline import Pipeline
 from placecue.source import Source
 from placecue.storage.arrays import write_arrays
-from placecue.storage.atomic import made, write_json, write_text
 from placecue.storage.state import Decoder, Encoder
 
 FORMAT = "placecue/model"

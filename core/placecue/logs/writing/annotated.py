@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from placecue.accumulator import AreaUpdate
+from placecue.atomic import write_text
 from placecue.belief import Belief
 from placecue.errors import UnusableObservation
 from placecue.faults import Faults
@@ -150,6 +151,5 @@ def area_message(stamp: int, update: AreaUpdate) -> dict[str, Any]:
 
 def write_layout(folder: str | Path) -> Path:
     """Put the layout for Foxglove and Lichtblick into a folder and return its path."""
-    path = Path(folder) / LAYOUT
-    path.write_text(resources.files("placecue.logs").joinpath(LAYOUT).read_text("utf-8"), "utf-8")
-    return path
+    layout = resources.files("placecue.logs").joinpath(LAYOUT).read_text("utf-8")
+    return write_text(Path(folder) / LAYOUT, layout)

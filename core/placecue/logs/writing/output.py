@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Self
-from uuid import uuid4
 
 from mcap.records import Attachment, Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
 
+from placecue.atomic import Part
 from placecue.errors import DataError, UsageError, choices
 from placecue.logs.messages.kinds import MessageType, Written
 
@@ -53,16 +53,8 @@ class Output:
                 f"unknown compression '{compression}': {choices(compression, COMPRESSIONS)}"
             )
         self.path = Path(path)
-        self._part = self.path.with_name(f".{self.path.name}.{uuid4().hex[:8]}.part")
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            if self.path.is_dir():
-                raise IsADirectoryError(21, "it is a folder")
-            self._file = self._part.open("xb")
-        except OSError as error:
-            raise UsageError(
-                f"cannot write {self.path}: {error.strerror}; choose another place with out="
-            ) from error
+        self._part = Part(self.path)
+        self._file = self._part.temporary.open("wb")
         self._schemas: dict[str, int] = {}
         self._channels: dict[tuple[str, str], int] = {}
         self._copied: dict[int, int] = {}
@@ -145,15 +137,18 @@ class Output:
         try:
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.close()
-            self._part.replace(self.path)
+            self._part.commit()
         except OSError as error:
-            self.abort()
             raise DataError(f"cannot finish {self.path}: {error.strerror}") from error
+        finally:
+            self._part.abort()
 
     def abort(self) -> None:
         """Remove what was written."""
-        self._file.close()
-        self._part.unlink(missing_ok=True)
+        try:
+            self._file.close()
+        finally:
+            self._part.abort()
 
     def __enter__(self) -> Self:
         return self

@@ -1,0 +1,55 @@
+"""The files that commands write into a folder, and how an older run's are known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from placecue.evaluation.training_report import INTEGRATOR, RELIABILITY, SEARCHES
+from placecue.logs.writing.annotated import LAYOUT
+from placecue.storage.belief_table import COLUMNS
+from placecue.storage.model import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
+
+BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
+ANNOTATED = "annotated.mcap"
+MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
+MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
+
+TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY)
+CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES)
+LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE)
+DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
+
+
+def of_older_run(folder: Path) -> list[Path]:
+    """Return the files that an older run of placecue has left in a folder, those of logs apart.
+
+    A model is known by its manifest, beliefs by the columns of their table; files beside neither
+    may be anybody's. The two logs of a demo stay, as others may have been made of them.
+    """
+    names: set[str] = set()
+    if (cues := _cues_of_model(folder / MANIFEST)) is not None:
+        searches = [f"{SEARCHES}/{name}" for name in (*cues, INTEGRATOR)]
+        names.update(TRAINED, *((f"{name}.md", f"{name}.png") for name in searches))
+    if _is_belief_table(folder / BELIEFS):
+        names.update(CLASSIFIED, LABELLED)
+    return sorted(path for name in names if (path := folder / name).is_file())
+
+
+def _cues_of_model(manifest: Path) -> list[str] | None:
+    """Return the names of a model's cues; None where there is no model."""
+    try:
+        told = json.loads(manifest.read_text(encoding="utf-8"))
+        cues = list(told["pipeline"]["cues"]) if told["format"] == FORMAT else None
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return None
+    return None if cues is None else [name for name in map(str, cues) if Path(name).name == name]
+
+
+def _is_belief_table(table: Path) -> bool:
+    begin = ",".join(COLUMNS).encode()
+    try:
+        with table.open("rb") as file:
+            return file.read(len(begin)) == begin
+    except OSError:
+        return False

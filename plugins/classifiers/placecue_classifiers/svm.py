@@ -24,6 +24,7 @@ from placecue.scores import (
     Scores,
 )
 from placecue_classifiers import calibration
+from placecue_classifiers.convergence import told_once
 from placecue_classifiers.fold_groups import FoldGroup, folds
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
 from placecue_classifiers.machines import Machines, one_against_all, one_against_one
@@ -138,6 +139,7 @@ class SVM(Classifier):
         """
         return self.fit_on_learned(features, labels, stamps)
 
+    @told_once
     def fit_on_learned(
         self,
         features: FeatureBatch,

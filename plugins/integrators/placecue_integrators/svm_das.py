@@ -62,7 +62,9 @@ class SVMDAS(Integrator):
 
     def integrate(self, evidence: Evidence, rows: Rows | None = None) -> Scores:
         """Return the classifier's outputs on the joined scores, in its own layout."""
-        return self.classifier_.scores(self.scaling_.transform(self._joined(evidence, rows)))
+        joined = self.scaling_.transform(self._joined(evidence, rows))
+        scores: Scores = self.classifier_.scores(joined)
+        return scores
 
     def chosen(self) -> Self:
         """Return an unfitted copy whose classifier has the parameters that its search found."""

@@ -1,5 +1,7 @@
 """SVM agrees with scikit-learn's own on the same kernel; four classes or more throughout."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from sklearn.base import clone
@@ -65,10 +67,37 @@ def test_decisions_equal_scikit_learn_s_on_the_same_gram_matrix(
     peer = SVC(kernel="precomputed", C=10.0, class_weight="balanced")
     rest = OneVsRestClassifier(peer).fit(gram, codes)
     pairs = clone(peer).set_params(decision_function_shape="ovo").fit(gram, codes)
-    for multiclass, each in (("oaa", rest), ("oao", pairs)):
+    # Classes are equally many, and so all weights 1; LIBSVM stops each machine at 1e-3.
+    for multiclass, each, slack in (("oaa", rest, 1e-9), ("oao", pairs, 1e-2)):
         svm = SVM(kernel=kernel, C=10.0, multiclass=multiclass).fit(features, NAMES[codes])
         expected = each.decision_function(gram)
-        assert svm.scores(features).values == pytest.approx(expected, rel=1e-6, abs=1e-9)
+        assert svm.scores(features).values == pytest.approx(expected, rel=1e-6, abs=slack)
+
+
+@pytest.mark.parametrize("weights", ["balanced", None, np.array([0.3, 2.0, 1.0, 5.0])], ids=str)
+def test_each_machine_of_a_pair_is_scikit_learn_s_on_that_pair(
+    weights: str | np.ndarray | None,
+) -> None:
+    rng = np.random.default_rng(8)
+    codes = np.repeat(np.arange(4), (40, 5, 12, 23))  # the pairs' weights differ by class sizes
+    rng.shuffle(codes)
+    gram = RBF(0.3).gram(rng.normal(size=(80, 3)) + np.eye(4, 3)[codes])
+    machines = one_against_one(gram, codes, 0.7, weights)
+    found, pairs = machines.decide(gram), list(combinations(range(4), 2))
+    assert machines.coefficients.shape == (80, len(pairs))
+    for column, (i, j) in enumerate(pairs):
+        rows = np.flatnonzero((codes == i) | (codes == j))
+        weight = dict.fromkeys((i, j), 1.0)
+        if isinstance(weights, str):
+            # By inverse frequency within the pair, n_pair / (2 n_i).
+            weight = {code: len(rows) / (2 * np.sum(codes == code)) for code in (i, j)}
+        elif weights is not None:
+            weight = {code: weights[code] for code in (i, j)}
+        peer = SVC(kernel="precomputed", C=0.7, class_weight=weight)
+        peer.fit(gram[np.ix_(rows, rows)], codes[rows])
+        # scikit-learn's second class is positive, ours the first of the pair.
+        expected = -peer.decision_function(gram[:, rows])
+        np.testing.assert_allclose(found[:, column], expected, rtol=1e-9, atol=1e-12)
 
 
 def test_modified_one_against_all_has_the_training_means(

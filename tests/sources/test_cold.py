@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from command_line import succeeds
 from placecue.errors import DataError, UsageError
+from placecue.logs import open_log
 from placecue.observation import EncodedImage
 from placecue_sources.categories import category
 from placecue_sources.cold import Cold
@@ -53,6 +55,25 @@ ROOMS = ("2PO1-A", "CR-A", "TL-B", "1PO-A")
 )
 def test_rooms_become_categories(label: str, expected: str) -> None:
     assert category(label) == expected
+
+
+@pytest.mark.parametrize(("camera", "first"), [("std_cam", 0), ("omni_cam", 255)])
+def test_a_sequence_is_converted(tmp_path: Path, camera: str, first: int) -> None:
+    samples = drive(labels=ROOMS)
+    folder, out = cold_folder(tmp_path, samples), tmp_path / "cold.mcap"
+    words = ["source=cold", f"source.path={folder}", f"source.camera={camera}", f"out={out}"]
+    assert succeeds("convert", *words).out.startswith("12 observations of seq1_cloudy2")
+    found = list(open_log(out))
+    assert [o.stamp for o in found] == [s.nanoseconds for s in samples]
+    assert [o.label for o in found] == ["2PO"] * 3 + ["CR"] * 3 + ["TL"] * 3 + ["1PO"] * 3
+    for number, (observation, sample) in enumerate(zip(found, samples, strict=True)):
+        assert isinstance(observation.image_source, EncodedImage)
+        shade = number if camera == "std_cam" else first
+        assert observation.image_source.data == picture(shade, ".jpg")
+        assert observation.pose is not None
+        assert observation.pose.x == pytest.approx(sample.x, abs=1e-5)
+        assert observation.scan is not None
+        np.testing.assert_allclose(observation.scan.ranges, ramp(number, 181), rtol=1e-6)
 
 
 def test_everything_is_read(tmp_path: Path) -> None:

@@ -1,12 +1,15 @@
 """Binary support vector machines on a precomputed Gram matrix, joined to several classes.
 
 LIBSVM (through scikit-learn) solves each binary problem; the Gram matrix is computed once and
-shared by all of them.
+shared by all of them. It stops after a number of iterations that ordinary problems stay far
+below, and Ctrl-C is heard while it works.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import Literal
 
@@ -14,6 +17,9 @@ import numpy as np
 import sklearn
 from numpy.typing import NDArray
 from sklearn.svm import SVC
+
+from placecue.interruptible import interruptible
+from placecue_classifiers.convergence import Parted, iteration_limit, note
 
 Matrix = NDArray[np.float64]
 Codes = NDArray[np.int64]
@@ -58,40 +64,73 @@ def one_against_all(gram: Matrix, codes: Codes, C: float, weights: Weights) -> M
     Machines
         Of M discriminant functions, in order of class.
     """
-    n_classes = int(codes.max()) + 1
-    machines = Machines(np.zeros((len(codes), n_classes)), np.zeros(n_classes))
-    for code in range(n_classes):
-        svc = _trained(gram, np.where(codes == code, 1, -1), C, weights, codes)
-        machines.coefficients[svc.support_, code] = svc.dual_coef_[0]
-        machines.intercepts[code] = svc.intercept_[0]
-    return machines
+    parted = [(code,) for code in range(int(codes.max()) + 1)]
+    return interruptible(partial(_trained, gram, codes, C, weights, parted))
 
 
 def one_against_one(gram: Matrix, codes: Codes, C: float, weights: Weights) -> Machines:
     """Train one machine a pair of classes (i, j), i < j; positive means that i wins.
 
-    LIBSVM trains all pairs in one call; balanced weights are of the whole problem, n / (M n_i).
+    Each machine sees the samples of its pair alone; balanced weights are n_pair / (2 n_i).
     Parameters and result are those of :func:`one_against_all`, with M (M - 1) / 2 functions.
     """
-    n_classes = int(codes.max()) + 1
-    svc = _trained(gram, codes, C, weights, codes)
-    # With two classes scikit-learn turns LIBSVM's sign, so that the second class is positive.
-    sign = -1.0 if n_classes == 2 else 1.0
-    pairs = list(combinations(range(n_classes), 2))
-    machines = Machines(np.zeros((len(codes), len(pairs))), sign * svc.intercept_)
-    supports = np.split(svc.support_, np.cumsum(svc.n_support_)[:-1])
-    duals = np.split(sign * svc.dual_coef_, np.cumsum(svc.n_support_)[:-1], axis=1)
-    for column, (first, second) in enumerate(pairs):
-        # A support vector of class i has M - 1 coefficients, one for each other class in order.
-        machines.coefficients[supports[first], column] = duals[first][second - 1]
-        machines.coefficients[supports[second], column] = duals[second][first]
+    # Given all classes at once LIBSVM has one weight of a class for all of its pairs.
+    parted = list(combinations(range(int(codes.max()) + 1), 2))
+    return interruptible(partial(_trained, gram, codes, C, weights, parted))
+
+
+def _trained(
+    gram: Matrix, codes: Codes, C: float, weights: Weights, parted: Sequence[Parted]
+) -> Machines:
+    """Train a machine for each class against the rest, or pair of classes; the first is positive.
+
+    All of them in one call, so that one thread serves them all.
+    """
+    machines = Machines(np.zeros((len(codes), len(parted))), np.zeros(len(parted)))
+    unfinished, iterations = [], 0
+    for column, classes in enumerate(parted):
+        rows, svc = _solved(gram, codes, C, weights, classes)
+        # scikit-learn's second class is positive.
+        sign = 1.0 if svc.classes_[1] == classes[0] else -1.0
+        machines.coefficients[rows[svc.support_], column] = sign * svc.dual_coef_[0]
+        machines.intercepts[column] = sign * svc.intercept_[0]
+        iterations = max(iterations, int(svc.n_iter_.max()))
+        if svc.fit_status_:
+            unfinished.append(classes)
+    note(C, len(parted), unfinished, iterations)
     return machines
 
 
-def _trained(gram: Matrix, sides: Codes, C: float, weights: Weights, codes: Codes) -> SVC:
-    balanced = isinstance(weights, str)
-    svc = SVC(kernel="precomputed", C=C, class_weight="balanced" if balanced else None)
-    each = None if weights is None or isinstance(weights, str) else weights[codes]
+def _solved(
+    gram: Matrix, codes: Codes, C: float, weights: Weights, classes: Parted
+) -> tuple[Codes, SVC]:
+    """Return the rows that a machine is trained on, shape (k,), and the machine."""
+    if len(classes) == 1:
+        rows, block = np.arange(len(codes)), gram  # the whole matrix is not copied
+        sides = np.where(codes == classes[0], classes[0], -1)
+    else:
+        rows = np.flatnonzero(np.isin(codes, classes))
+        block, sides = gram[np.ix_(rows, rows)], codes[rows]
+    svc = _SVC(kernel="precomputed", C=C, max_iter=iteration_limit(len(rows)))
     # The Gram matrix has been looked at once; a search would have it looked at thousands of times.
     with sklearn.config_context(assume_finite=True, skip_parameter_validation=True):
-        return svc.fit(gram, sides, sample_weight=each)
+        return rows, svc.fit(block, sides, _of_samples(weights, sides == classes[0], codes[rows]))
+
+
+def _of_samples(weights: Weights, first: NDArray[np.bool_], codes: Codes) -> Matrix | None:
+    """Return the weight of each sample, shape (k,), or None.
+
+    LIBSVM multiplies C by it, as by that of a class, which scikit-learn takes longer to work out
+    than LIBSVM to train a small machine.
+    """
+    if weights is None:
+        return None
+    if not isinstance(weights, str):
+        return np.asarray(weights[codes])
+    count = np.count_nonzero(first)
+    return np.where(first, len(first) / (2 * count), len(first) / (2 * (len(first) - count)))
+
+
+class _SVC(SVC):
+    def _warn_from_fit_status(self) -> None:
+        """Say nothing: what is left unfinished is told once a training."""

@@ -22,6 +22,7 @@ from placecue.scaling import Scaling
 from placecue.scores import Layout, Probabilities, Scores
 from placecue.training_set import TrainingSet
 from placecue_classifiers import calibration
+from placecue_classifiers.convergence import told_once
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
 from placecue_classifiers.machines import Machines
 from placecue_classifiers.multiclass import LAYOUTS, Multiclass
@@ -137,6 +138,7 @@ class SVM(Classifier):
         """
         return self.train(TrainingSet(features, labels, stamps))
 
+    @told_once
     def train(self, training: TrainingSet) -> Self:
         """Search if that is asked for, then train; see :meth:`Classifier.train`."""
         self._check_parameters()

@@ -44,20 +44,8 @@ class Cold(ImageSequence):
         The folder of the images.
     keep_instances : bool
         Whether ``2PO1-A`` stays itself, or becomes its category ``2PO``.
-    parts : sequence of {"image", "scan", "pose", "label"}, optional
-        What the observations hold; by default everything.
-    pose : {"corrected", "odometry"}
-        Poses of the image names, in frame ``map``, or of ``odom.tdf``, in frame ``odom``.
-    tolerance : float
-        How far in time the scan of an image, or the odometry, may be from it, s.
-    field_of_view : float, optional
-        Angle from the first to the last beam, degrees; by default what the records say.
-    max_range : float, optional
-        Longest range that is a measurement, m; by default what the records say.
-    scans, odometry : str, optional
-        ``scans.tdf`` and ``odom.tdf`` where they lie elsewhere.
-    conditions : mapping of str to str, optional
-        Metadata to add to, or to put in the place of, what the names say.
+    parts, pose, tolerance, field_of_view, max_range, scans, odometry, conditions
+        See :class:`ImageSequence`.
     """
 
     texts = (PLACES,)
@@ -79,16 +67,17 @@ class Cold(ImageSequence):
     ) -> None:
         super().__init__(
             path,
-            parts,
-            pose,
-            tolerance,
-            field_of_view,
-            max_range,
-            scans,
-            odometry,
-            conditions,
+            parts=parts,
+            pose=pose,
+            tolerance=tolerance,
+            field_of_view=field_of_view,
+            max_range=max_range,
+            scans=scans,
+            odometry=odometry,
+            conditions=conditions,
         )
-        self.camera = camera
+        # Not under its own name: ``camera`` of a source is what is known of the optics.
+        self.image_folder = camera
         self.keep_instances = keep_instances
 
     @property
@@ -98,11 +87,13 @@ class Cold(ImageSequence):
 
     def _folder(self, names: Sequence[str], path: str) -> str:
         """Return the folder of the images; where there are none, where they would be."""
-        folders = folders_of_images(names, path, self.camera)
+        folders = folders_of_images(names, path, self.image_folder)
         places = [name for name in names if posixpath.basename(name) == PLACES]
         if not folders and len(places) == 1:
-            return posixpath.join(posixpath.dirname(posixpath.dirname(places[0])), self.camera)
-        return only(folders, names, path, f"{self.camera}/{EXAMPLE}")
+            return posixpath.join(
+                posixpath.dirname(posixpath.dirname(places[0])), self.image_folder
+            )
+        return only(folders, names, path, f"{self.image_folder}/{EXAMPLE}")
 
     def _moments(
         self, archive: Archive, names: Sequence[str], folder: str, faults: Faults

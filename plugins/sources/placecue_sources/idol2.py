@@ -31,45 +31,9 @@ class Idol2(ImageSequence):
     path : str
         The sequence: its folder, or its tar, which stays packed. Platform, illumination and run
         are told from its name, such as ``dum_cloudy1``.
-    parts : sequence of {"image", "scan", "pose", "label"}, optional
-        What the observations hold; by default everything.
-    pose : {"corrected", "odometry"}
-        Poses of the image names, in frame ``map``, or of ``odom.tdf``, in frame ``odom``.
-    tolerance : float
-        How far in time the scan of an image, or the odometry, may be from it, s.
-    field_of_view : float, optional
-        Angle from the first to the last beam, degrees; by default what the records say.
-    max_range : float, optional
-        Longest range that is a measurement, m; by default what the records say.
-    scans, odometry : str, optional
-        ``scans.tdf`` and ``odom.tdf`` where they lie elsewhere.
-    conditions : mapping of str to str, optional
-        Metadata to add to, or to put in the place of, what the name says.
+    parts, pose, tolerance, field_of_view, max_range, scans, odometry, conditions
+        See :class:`ImageSequence`.
     """
-
-    def __init__(
-        self,
-        path: str,
-        parts: Sequence[str] | None = None,
-        pose: str = "corrected",
-        tolerance: float = 0.15,
-        field_of_view: float | None = None,
-        max_range: float | None = None,
-        scans: str | None = None,
-        odometry: str | None = None,
-        conditions: Mapping[str, str] | None = None,
-    ) -> None:
-        super().__init__(
-            path,
-            parts,
-            pose,
-            tolerance,
-            field_of_view,
-            max_range,
-            scans,
-            odometry,
-            conditions,
-        )
 
     @property
     def metadata(self) -> Mapping[str, str]:  # type: ignore[override]

@@ -34,6 +34,25 @@ class ImageSequence(Source):
     """One observation for each image of a sequence; its subclasses say what differs.
 
     Names and times are held, files are read when their turn comes.
+
+    Parameters
+    ----------
+    path : str
+        The sequence: its folder, or its tar, which stays packed.
+    parts : sequence of {"image", "scan", "pose", "label"}, optional
+        What the observations hold; by default everything.
+    pose : {"corrected", "odometry"}
+        Poses of the image names, in frame ``map``, or of ``odom.tdf``, in frame ``odom``.
+    tolerance : float
+        How far in time the scan of an image, or the odometry, may be from it, s.
+    field_of_view : float, optional
+        Angle from the first to the last beam, degrees; by default what the records say.
+    max_range : float, optional
+        Longest range that is a measurement, m; by default what the records say.
+    scans, odometry : str, optional
+        ``scans.tdf`` and ``odom.tdf`` where they lie elsewhere.
+    conditions : mapping of str to str, optional
+        Metadata to add to, or to put in the place of, what the names say.
     """
 
     #: Files beside the images that are read besides scans and odometry.
@@ -44,14 +63,14 @@ class ImageSequence(Source):
     def __init__(
         self,
         path: str,
-        parts: Sequence[str] | None,
-        pose: str,
-        tolerance: float,
-        field_of_view: float | None,
-        max_range: float | None,
-        scans: str | None,
-        odometry: str | None,
-        conditions: Mapping[str, str] | None,
+        parts: Sequence[str] | None = None,
+        pose: str = "corrected",
+        tolerance: float = 0.15,
+        field_of_view: float | None = None,
+        max_range: float | None = None,
+        scans: str | None = None,
+        odometry: str | None = None,
+        conditions: Mapping[str, str] | None = None,
     ) -> None:
         self.path = path
         self.parts = parts

@@ -1,0 +1,76 @@
+"""Work in C that is deaf to Ctrl-C, which the main thread can be called away from."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import copy_context
+from typing import TypeVar
+
+T = TypeVar("T")
+#: Where a wait cannot be interrupted (Windows), Ctrl-C is heard this often, s.
+_PATIENCE = 0.5
+_running: set[object] = set()
+
+
+def interruptible(work: Callable[[], T]) -> T:
+    """Do work that lets go of the interpreter, such as LIBSVM's, and hear Ctrl-C meanwhile.
+
+    Called from the main thread, which alone is told of Ctrl-C, the work is done in another one
+    (a tenth of a millisecond more), and ``KeyboardInterrupt`` leaves it behind. Nothing can stop
+    such a thread: it ends with its work, or with the process, which does not wait for it.
+
+    Parameters
+    ----------
+    work : callable
+        Takes no arguments.
+
+    Returns
+    -------
+    object
+        What ``work`` returns; what it raises is raised.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        At Ctrl-C, while the work goes on; see :func:`still_running`.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        with _counted():
+            return work()
+    done = threading.Event()
+    results: list[T] = []
+    errors: list[BaseException] = []
+
+    def do() -> None:
+        try:
+            with _counted():
+                results.append(work())
+        except BaseException as error:
+            errors.append(error)
+        finally:
+            done.set()
+
+    # In the caller's context; a daemon, as the interpreter waits at its end for all others.
+    threading.Thread(target=copy_context().run, args=(do,), daemon=True).start()
+    while not done.wait(_PATIENCE):
+        pass
+    if errors:
+        raise errors[0]
+    return results[0]
+
+
+def still_running() -> bool:
+    """Tell whether work goes on that was left behind, so that the process has to be ended."""
+    return bool(_running)
+
+
+@contextmanager
+def _counted() -> Iterator[None]:
+    token = object()
+    _running.add(token)
+    try:
+        yield
+    finally:
+        _running.discard(token)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,8 +44,11 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
     labels_ : ndarray, shape (M,)
         The classes as they were given in training, in the order of ``layout_.classes``; a
         classifier sets it with :meth:`learn_classes`, or leaves it out where labels are text.
+    version : str
+        Changes when the results do, so that a model does not meet another classifier unawares.
     """
 
+    version: ClassVar[str] = "1"
     layout_: Layout
     labels_: NDArray[Any]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, clone
@@ -18,7 +18,14 @@ class Integrator(BaseEstimator, ABC):  # type: ignore[misc]
     """Joins the cues' scores; a scikit-learn estimator over evidence.
 
     It is fitted on scores of samples that the single-cue models have not seen.
+
+    Attributes
+    ----------
+    version : str
+        Changes when the results do, so that a model does not meet another integrator unawares.
     """
+
+    version: ClassVar[str] = "1"
 
     @abstractmethod
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:

@@ -24,7 +24,7 @@ OUT_IS_FOLDER = True
 def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
     out, plugins = path_of(config, "out"), current_plugins()
-    pipeline = load_model(path_of(config, "model"), plugins.registry)
+    pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     table, annotated, metrics = out / "beliefs.csv", out / "beliefs.mcap", out / "metrics.json"
     tally = Tally()
     tally.says_unknown = pipeline.rejection_ is not None

@@ -25,7 +25,9 @@ FORMAT = "placecue/model"
 FORMAT_VERSION = 2
 MANIFEST, CONFIG, STATE, ARRAYS = "manifest.json", "config.yaml", "state.json", "arrays.npz"
 #: Bytes that a JSON file of a model may take; in memory it takes some 25 times as much at worst.
-LIMIT = 8 * 2**20
+LIMIT = 4 * 2**20
+#: Stands for the digest of a manifest while that is computed.
+_BLANK = "0" * 64
 _ENTRIES: dict[str, type] = {
     "created": str,
     "classes": list,
@@ -46,7 +48,8 @@ def sealed(manifest: Mapping[str, Any]) -> bytes:
     UsageError
         If it is larger than what is read back.
     """
-    return small({**manifest, "digest": _digest(manifest)}, "the manifest of the model")
+    text = small({"digest": _BLANK, **manifest}, "the manifest of the model")
+    return text.replace(_BLANK.encode(), _digest(text).encode(), 1)
 
 
 def small(data: Any, what: str) -> bytes:
@@ -91,16 +94,22 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         raise DataError(f"{path} is not the manifest of a placecue model")
     if manifest.get("format_version") != FORMAT_VERSION:
         raise DataError(_of_another_format(folder, manifest.get("format_version")))
+    _check_seal(manifest.get("digest"), data, path)
     _check(manifest, path)
     return manifest
+
+
+def _check_seal(digest: Any, data: bytes, path: Path) -> None:
+    if not isinstance(digest, str) or len(digest) != len(_BLANK):
+        raise _damaged(path, "it has no digest of itself")
+    if _digest(data.replace(digest.encode(), _BLANK.encode(), 1)) != digest:
+        raise _damaged(path, "it is not what was written")
 
 
 def _check(manifest: dict[str, Any], path: Path) -> None:
     for entry, kind in _ENTRIES.items():
         if not isinstance(manifest.get(entry), kind):
             raise _damaged(path, f"its entry '{entry}' is missing or no {kind.__name__}")
-    if manifest.get("digest") != _digest(manifest):
-        raise _damaged(path, "it is not what was written")
     _check_classes(manifest["classes"], path)
     for plugin in manifest["plugins"]:
         _check_plugin(plugin, path)
@@ -150,10 +159,9 @@ def _has_log(config: Path) -> bool:
     return any(line.startswith(b"log:") for line in lines)
 
 
-def _digest(manifest: Mapping[str, Any]) -> str:
-    """Return the digest of all entries but the digest itself."""
-    rest = {name: value for name, value in manifest.items() if name != "digest"}
-    return hashlib.sha256(strict_json.dumps(rest)).hexdigest()
+def _digest(text: bytes) -> str:
+    """Return the digest of a manifest in which its own stands blank."""
+    return hashlib.sha256(text).hexdigest()
 
 
 def _damaged(path: Path, why: str) -> DataError:

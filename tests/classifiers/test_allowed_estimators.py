@@ -31,9 +31,12 @@ EVERY = [
     for module in estimators.SKLEARN
     if getattr(import_module(module), name, None) is kind
 ]
+#: Parameters whose text is a word: compared with samples or labels, or looked up in a table.
+WORDS = {"constant", "missing_values", "outlier_label", "pos_label", "scoring", "threshold"}
 SAMPLES = np.random.default_rng(0).normal(size=(24, 4))
 CODES = np.arange(24) % 3
 AGGLOMERATION = {"estimator": "sklearn.cluster.FeatureAgglomeration"}
+BAGGING = "sklearn.ensemble.BaggingClassifier"
 TREE = {"estimator": "sklearn.tree.DecisionTreeClassifier"}
 
 
@@ -65,21 +68,19 @@ def loaded(tmp_path: Path, marker: Path) -> Path:
 
 
 def test_the_payload_would_run(loaded: Path, marker: Path) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with pytest.raises(TypeError):  # what was unpickled is no tree
         FeatureAgglomeration(memory=str(loaded)).fit(SAMPLES)
     assert marker.exists()
 
 
 def _fitted_with(kind: Any, name: str, folder: Path) -> list[str]:
-    """Give every parameter a folder in several forms; fit what is built, name what took it."""
+    """Give every parameter a folder in two forms; fit what is built, name what took it."""
     took = []
     for parameter in kind._get_param_names():
-        for value in (str(folder), {"location": str(folder)}, {"estimator": "os.system"}):
+        for value in (str(folder), {"location": str(folder)}):
             try:
                 built = estimators.estimator(name, {parameter: value})
-            except UsageError as error:
-                assert "\n" not in str(error)
+            except UsageError:
                 continue
             took.append(parameter)
             with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -95,7 +96,7 @@ def test_no_estimator_takes_a_folder_for_a_parameter(loaded: Path, marker: Path)
     assert len(EVERY) > 150
     before = sorted(loaded.rglob("*"))
     took = {parameter for kind, name in EVERY for parameter in _fitted_with(kind, name, loaded)}
-    assert took <= {"constant", "outlier_label", "pos_label", "scoring", "threshold"}
+    assert took <= WORDS
     assert not marker.exists()
     assert sorted(loaded.rglob("*")) == before
 
@@ -118,7 +119,7 @@ def test_every_classifier_can_be_named() -> None:
     assert len(names) > 35
     for name in names:
         given: dict[str, Any] = {}
-        kind = dict((n, k) for k, n in EVERY)[name]
+        kind = {each: kind for kind, each in EVERY}[name]
         if "estimator" in kind._get_param_names():
             given["estimator"] = TREE
         if "estimators" in kind._get_param_names():
@@ -131,7 +132,7 @@ def test_every_classifier_can_be_named() -> None:
     [
         (
             "sklearn.svm.SVC",
-            {"C": 3, "gamma": "scale", "class_weight": "balanced", "cache_size": 9},
+            {"C": 3, "gamma": "scale", "class_weight": "balanced"},
         ),
         ("sklearn.neighbors.KNeighborsClassifier", {"metric": "minkowski", "p": 1.5}),
         ("sklearn.neural_network.MLPClassifier", {"hidden_layer_sizes": [8, 4], "max_iter": 9}),
@@ -166,7 +167,7 @@ def test_what_is_plain_data_is_taken_and_works(name: str, params: dict[str, Any]
         ("sklearn.ensemble.BaggingClassifier", {"estimator": "os.system"}, "'estimator' cannot be"),
         ("sklearn.feature_extraction.text.CountVectorizer", {}, "no estimator that a config may"),
         ("sklearn.ensemble._forest.RandomForestClassifier", {}, "no estimator that a config may"),
-        ("sklearn.tree.np", {}, "is no estimator"),
+        ("sklearn.tree.plot_tree", {}, "is no estimator"),
         ("sklearn.svm.SVC", [1], "must be a mapping"),
         (["sklearn.svm.SVC"], {}, "no estimator that a config may"),
     ],
@@ -179,10 +180,7 @@ def test_what_is_not_is_refused(name: Any, params: Any, said: str) -> None:
 def test_estimators_do_not_stand_without_end_inside_one_another() -> None:
     nested: dict[str, Any] = TREE
     for _ in range(2000):
-        nested = {
-            "estimator": "sklearn.ensemble.BaggingClassifier",
-            "params": {"estimator": nested},
-        }
+        nested = {"estimator": BAGGING, "params": {"estimator": nested}}
     with pytest.raises(UsageError, match="too deep"):
         estimators.estimator(nested["estimator"], nested["params"])
 

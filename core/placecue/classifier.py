@@ -45,6 +45,8 @@ class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
     labels_ : ndarray, shape (M,)
         The classes as they were given in training, in the order of ``layout_.classes``; a
         classifier sets it with :meth:`learn_classes`, or leaves it out where labels are text.
+    version : str
+        Changes when the results do, so that a model does not meet another classifier unawares.
     """
 
     version: ClassVar[str] = "1"

@@ -29,7 +29,8 @@ class Cue(BaseEstimator, ABC):  # type: ignore[misc]
     requires : tuple of {"image", "scan", "pose"}
         The parts of an observation that :meth:`extract` needs.
     version : str
-        Changes when the features do, so that cached ones are not mistaken for them.
+        Changes when the features do, so that cached ones, and those that a model was trained on,
+        are not mistaken for them.
     learns : bool
         Whether :meth:`fit` learns anything.
     """

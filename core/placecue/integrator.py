@@ -22,7 +22,7 @@ class Integrator(BaseEstimator, ABC):  # type: ignore[misc]
     Attributes
     ----------
     version : str
-        Changes when what it learns does; a model made with another version is not loaded.
+        Changes when the results do, so that a model does not meet another integrator unawares.
     """
 
     version: ClassVar[str] = "1"

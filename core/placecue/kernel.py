@@ -24,10 +24,13 @@ class Kernel(BaseEstimator, ABC):  # type: ignore[misc]
         The kinds of features that the kernel can take.
     positive_definite : bool
         Whether every Gram matrix is positive semi-definite.
+    version : str
+        Changes when the results do, so that a model does not meet another kernel unawares.
     """
 
     accepts: ClassVar[frozenset[FeatureKind]] = frozenset()
     positive_definite: ClassVar[bool] = True
+    version: ClassVar[str] = "1"
 
     def fit(self, features: FeatureBatch) -> Self:
         """Learn what the kernel needs from training features; the default learns nothing."""

@@ -66,8 +66,9 @@ def test_two_cues(model: Path, log_a: Path) -> None:
         *[("cue", "crfh"), ("cue", "laser"), ("classifier", "svm"), ("integrator", "svm_das")],
         *[("kernel", "chi2"), ("kernel", "rbf")],
     }
-    assert manifest["digests"] == {
-        name: sha256(model / name) for name in ("state.json", "arrays.npz")
+    assert manifest["files"] == {
+        name: {"size": (model / name).stat().st_size, "sha256": sha256(model / name)}
+        for name in ("state.json", "arrays.npz")
     }
 
 

@@ -2,16 +2,20 @@
 
 import json
 import logging
+import re
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from omegaconf import OmegaConf
 from scipy import sparse
 
+from folders import reseal
 from placecue import DataError, DescriptorSets, Pipeline, PluginError, Unknown, UsageError
 from placecue.components.registry import Registry
+from placecue.storage import strict_json
 from placecue.storage.model import load_model, read_manifest, save_model
 from placecue.storage.state import Decoder, Encoder
 from placecue_classifiers.svm import SVM
@@ -73,6 +77,7 @@ def test_a_model_that_knows_nothing_of_unknown_loads(
     manifest = json.loads((folder / "manifest.json").read_text())
     del manifest["pipeline"]["unknown"]  # as it was before there was one
     (folder / "manifest.json").write_text(json.dumps(manifest))
+    reseal(folder)
     loaded = load_model(folder, known)
     assert (loaded.unknown, loaded.rejection_) == (None, None)
 
@@ -147,18 +152,108 @@ def test_a_manifest_of_another_version_is_refused(folder: Path, known: Registry)
         load_model(folder, known)
 
 
-def test_a_model_that_fails_half_way_is_no_model(
-    fitted: Pipeline, folder: Path, known: Registry, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("fails", ["savez", "to_yaml"])
+def test_a_model_that_fails_half_way_is_no_model_and_leaves_the_old_one_whole(
+    fitted: Pipeline, known: Registry, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fails: str
 ) -> None:
+    old = Pipeline({"beams": (Beams(), SVM(kernel=RBF()))}).fit(Walk(rounds=2, stay=5))
+    folder = save_model(old, tmp_path / "old", known)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+
     def fail(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(np, "savez", fail)
-    with pytest.raises(DataError, match="No space left"):
-        save_model(fitted, folder, known)
+    monkeypatch.setattr({"savez": np, "to_yaml": OmegaConf}[fails], fails, fail)
+    for to in (folder, tmp_path / "new"):
+        with pytest.raises(DataError, match="No space left"):
+            save_model(fitted, to, known)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     with pytest.raises(DataError, match="not a model folder"):
+        load_model(tmp_path / "new", known)
+    assert not list((tmp_path / "new").iterdir())
+
+
+def test_a_model_that_was_replaced_in_part_is_no_model(
+    fitted: Pipeline, folder: Path, known: Registry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace, done = Path.replace, []
+
+    def killed(path: Path, target: Path) -> Path:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(target)
+        return replace(path, target)
+
+    monkeypatch.setattr(Path, "replace", killed)
+    other = Pipeline({"beams": (Beams(), SVM(kernel=RBF()))}).fit(Walk(rounds=2, stay=5))
+    with pytest.raises(KeyboardInterrupt):
+        save_model(other, folder, known)
+    assert len(done) == 2
+    with pytest.raises(DataError, match=r"(state|arrays)\.\w+ is not the file that its manifest"):
         load_model(folder, known)
-    assert not list(folder.glob(".*"))
+
+
+def test_the_other_version_of_a_component_is_refused_or_warned_of(
+    fitted: Pipeline,
+    folder: Path,
+    known: Registry,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr(Beams, "version", "2")
+    said = r"cue 'beams' of version 1 \(toys 1\.0\), and version 2 is installed"
+    with pytest.raises(PluginError, match=said):
+        load_model(folder, known)
+    with caplog.at_level(logging.WARNING, "placecue"):
+        loaded = load_model(folder, known, "warn")
+    assert re.search(said, caplog.text)
+    assert list(loaded.cues) == list(fitted.cues)
+    with pytest.raises(UsageError, match="must be refuse or warn, got 'ignore'"):
+        load_model(folder, known, "ignore")  # type: ignore[arg-type]
+
+
+def test_the_other_version_of_a_component_inside_another_is_refused(
+    folder: Path, known: Registry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RBF, "version", "1.1")
+    with pytest.raises(PluginError, match=r"kernel 'rbf' of version 1 .* version 1\.1 is inst"):
+        load_model(folder, known)
+
+
+class Forgetful(Beams):
+    """Learns under a name that says nothing of it."""
+
+    def fit(self, observations: object, labels: object = None) -> "Forgetful":
+        self.seen = 3
+        return self
+
+
+def test_what_is_learned_under_another_name_is_refused_not_lost(known: Registry) -> None:
+    learned = Forgetful().fit([])
+    with pytest.raises(UsageError, match=r"cues\.b\.seen is neither a parameter nor .* seen_"):
+        Encoder(known).state(learned, "cues.b")
+    del learned.seen
+    learned._worked_out = 1
+    assert Encoder(known).state(learned, "cues.b") == {}
+
+
+def test_a_name_with_bytes_that_are_no_text_is_written(known: Registry, tmp_path: Path) -> None:
+    walk = Walk(rounds=2, stay=5)
+    walk.name = b"log\xff.mcap".decode("utf-8", "surrogateescape")
+    trained = Pipeline({"beams": (Beams(), SVM(kernel=RBF()))}).fit(walk)
+    folder = save_model(trained, tmp_path / "m", known, trained_on=[walk])
+    assert read_manifest(folder)["logs"][0]["name"] == "log\\udcff.mcap"
+
+
+def test_numbers_that_json_has_no_word_for(known: Registry) -> None:
+    component = Beams()
+    component.far_, component.none_ = -np.inf, [np.nan, 1.5]
+    restored = Beams()
+    state = strict_json.loads(strict_json.dumps(Encoder(known).state(component, "b")), "b")
+    Decoder(known, {}).restore(restored, state)
+    assert restored.far_ == -np.inf
+    assert np.isnan(restored.none_[0])
+    assert restored.none_[1] == 1.5
 
 
 def test_the_state_of_a_component_cannot_set_what_is_not_learned(known: Registry) -> None:
@@ -166,6 +261,8 @@ def test_the_state_of_a_component_cannot_set_what_is_not_learned(known: Registry
         Decoder(known, {}).restore(Beams(), {"__class__": 1})
     with pytest.raises(DataError, match="no learned attribute"):
         Decoder(known, {}).restore(Beams(), {"extract": 1})
+    with pytest.raises(DataError, match="no learned attribute"):
+        Decoder(known, {}).restore(SVM(), {"classes_": 1})  # a property
 
 
 def test_every_kind_of_learned_value_survives(known: Registry) -> None:

@@ -24,7 +24,7 @@ WRITES = files.CLASSIFIED
 def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
     out, plugins = path_of(config, "out"), current_plugins()
-    pipeline = load_model(path_of(config, "model"), plugins.registry)
+    pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     pipeline.on_error = on_error_of(config)
     table, annotated, metrics = (out / name for name in files.CLASSIFIED)
     tally = Tally()

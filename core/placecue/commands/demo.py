@@ -29,7 +29,8 @@ def run(config: dict[str, Any]) -> None:
     show.training(*train.train({**config, "source": _reading(logs[0])}, out / files.MODEL))
 
     print(f"\nclassifying and labelling {logs[1].name}, which the model has not seen ...")
-    tally, labelled = Tally(), {**config, "model": out / files.MODEL, "source": _reading(logs[1])}
+    tally, fresh = Tally(), {"model": out / files.MODEL, "other_versions": "refuse"}
+    labelled = {**config, **fresh, "source": _reading(logs[1])}
     semantic_map = label.label(labelled, out, tally)
     if not tally.counts:
         raise PlacecueError(f"{logs[1]} gave no belief on a labelled observation: nothing to score")

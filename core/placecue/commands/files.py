@@ -8,7 +8,7 @@ from pathlib import Path
 from placecue.evaluation.training_report import INTEGRATOR, RELIABILITY, SEARCHES
 from placecue.logs.writing.annotated import LAYOUT
 from placecue.storage.belief_table import COLUMNS
-from placecue.storage.model import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
+from placecue.storage.manifest import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
 
 BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"

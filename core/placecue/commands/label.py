@@ -42,7 +42,7 @@ def run(config: dict[str, Any]) -> None:
 def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     """Run a model over a log and write everything that comes of it into ``out``."""
     plugins = current_plugins()
-    pipeline = load_model(path_of(config, "model"), plugins.registry)
+    pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     pipeline.on_error = on_error_of(config)
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     surroundings = Surroundings()

@@ -91,15 +91,16 @@ def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
 def components_of(composition: Mapping[str, Any], registry: Registry) -> Iterator[tuple[Kind, str]]:
     """Yield the kind and name of every component that a pipeline's config names."""
     for spec in composition["cues"].values():
-        yield from _components(spec, "cue", registry)
+        yield from components_in(spec, "cue", registry)
     if composition["integrator"]:
-        yield from _components(composition["integrator"], "integrator", registry)
+        yield from components_in(composition["integrator"], "integrator", registry)
 
 
-def _components(
+def components_in(
     spec: Mapping[str, Any], kind: Kind, registry: Registry
 ) -> Iterator[tuple[Kind, str]]:
+    """Yield the kind and name of a component and of every one inside it, from its config."""
     yield kind, spec["plugin"]
     for name, value in spec.items():
         for each in nested(value):
-            yield from _components(each, kind_of_parameter(name, each, registry), registry)
+            yield from components_in(each, kind_of_parameter(name, each, registry), registry)

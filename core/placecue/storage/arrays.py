@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
+from io import BufferedReader, BytesIO
 from pathlib import Path
-from typing import Any, cast
-from zipfile import BadZipFile, ZipFile
+from typing import IO, Any, cast
+from zipfile import ZIP_STORED, ZipFile, ZipInfo
 
 import numpy as np
+from numpy.lib import format as npy
 from numpy.typing import NDArray
 from scipy import sparse
 
 from placecue.atomic import replacing
+from placecue.errors import DataError
 from placecue.features import DescriptorSets
+from placecue.storage.guarded import opened, size_of
 
 Parts = dict[str, NDArray[Any]]
 #: What :func:`parts_of` takes apart, by the names it gives them.
 KINDS = ("array", "csr", "descriptors")
 #: Kinds of numpy data that are kept: numbers, truth values and text; no objects.
 _PLAIN = "biufUSM"
+#: Bytes that the header of an array of format 1.0 fits into.
+_HEADER = 2**16 + 10
+#: Bytes that are read at a time.
+_BLOCK = 2**20
 
 
 def parts_of(value: Any) -> tuple[dict[str, Any], Parts] | None:
@@ -42,43 +51,130 @@ def parts_of(value: Any) -> tuple[dict[str, Any], Parts] | None:
 
 def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> Path:
     """Write an .npz file, whole or not at all, without pickle."""
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, **cast(Any, arrays))
+    with replacing(path) as temporary:
+        save_arrays(temporary, arrays)
     return path
 
 
-def read_arrays(path: Path) -> Parts:
-    """Return the arrays of an .npz file once all checksums are known to be right.
+def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write an .npz file without pickle and without compression."""
+    with path.open("wb") as file:
+        np.savez(file, allow_pickle=False, **cast(Any, arrays))
 
-    NumPy alone does not look at the checksum of an array whose header says too little.
+
+def read_arrays(path: Path, names: Collection[str] | None = None) -> Parts:
+    """Return the arrays of an .npz file that :func:`write_arrays` wrote.
+
+    Nothing is unpacked or set aside that the file does not hold byte for byte, and every checksum
+    is compared.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : collection of str, optional
+        Which arrays; all by default.
 
     Raises
     ------
-    Exception
-        Of many kinds, if the file is not there or damaged.
+    DataError
+        If it is no such file, is damaged, or holds anything but plain arrays.
     """
-    with ZipFile(path) as file:
-        spoilt = file.testzip()
-    if spoilt is not None:
-        raise BadZipFile(f"{spoilt} in {path} is damaged")
-    with np.load(path, allow_pickle=False) as arrays:
-        return dict(arrays)
+    with opened(path) as file:
+        return arrays_in(file, path, names)
+
+
+def arrays_in(file: BufferedReader, path: Path, names: Collection[str] | None = None) -> Parts:
+    """Return the arrays of an open .npz file; see :func:`read_arrays`."""
+    try:
+        with ZipFile(file) as archive:
+            members = _members(archive, size_of(file))
+            wanted = members if names is None else names
+            return {name: _array(archive, members[name]) for name in wanted}
+    except Exception as error:  # damage has many names
+        reason = f"{type(error).__name__}: {error!s:.200}"
+        raise DataError(f"{path} is damaged ({reason})") from error
+
+
+def _members(archive: ZipFile, size: int) -> dict[str, ZipInfo]:
+    """Return what is in an archive by name, once it is sure that nothing grows when it is read."""
+    members: dict[str, ZipInfo] = {}
+    for member in archive.infolist():
+        name, suffix = member.filename[:-4], member.filename[-4:]
+        if suffix != ".npy" or name in members:
+            raise ValueError(f"{member.filename!r:.80} is no array, or is there twice")
+        if member.compress_type != ZIP_STORED or member.file_size != member.compress_size:
+            raise ValueError(f"array {name!r:.80} is compressed")
+        members[name] = member
+    if sum(member.file_size for member in members.values()) > size:
+        raise ValueError("its arrays are larger than it is")
+    return members
+
+
+def _array(archive: ZipFile, member: ZipInfo) -> NDArray[Any]:
+    with archive.open(member) as stream:
+        header = BytesIO(stream.read(_HEADER))
+        if npy.read_magic(header) != (1, 0):
+            raise ValueError(f"{member.filename!r:.80} is an array of another format")
+        shape, fortran, dtype = npy.read_array_header_1_0(header)
+        _check_plain(dtype, shape, member.file_size - header.tell(), member.filename)
+        array = np.empty(shape, dtype, "F" if fortran else "C")
+        _fill((array.T if fortran else array).reshape(-1).view(np.uint8), header, stream)
+    _check_values(array)
+    return array
+
+
+def _fill(into: NDArray[np.uint8], *streams: IO[bytes]) -> None:
+    """Fill an array with what is left in streams, one after the other."""
+    first = 0
+    for stream in streams:
+        while data := stream.read(_BLOCK):
+            into[first : first + len(data)] = np.frombuffer(data, np.uint8)
+            first += len(data)
+    if first != len(into):
+        raise ValueError(f"an array has {first} bytes in place of {len(into)}")
+
+
+def _check_plain(dtype: np.dtype[Any], shape: tuple[int, ...], size: int, name: str) -> None:
+    if dtype.kind not in _PLAIN or dtype.itemsize == 0:
+        raise ValueError(f"{name!r:.80} is an array of {dtype!s:.80}")
+    if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != size:
+        raise ValueError(f"{name!r:.80} says shape {shape!s:.80} and holds {size} bytes")
+
+
+def _check_values(array: NDArray[Any]) -> None:
+    if array.dtype.kind == "b" and array.view(np.uint8).max(initial=0) > 1:
+        raise ValueError("a truth value is neither true nor false")
+    if array.dtype.kind == "U":  # characters that are none cannot be shown
+        "".join(array.ravel().tolist()).encode()
 
 
 def from_parts(what: Mapping[str, Any], parts: Mapping[str, NDArray[Any]]) -> Any:
-    """Return what :func:`parts_of` took apart.
+    """Return what :func:`parts_of` took apart, once its parts are known to fit one another.
 
     Raises
     ------
     KeyError
         If a part is missing, or it is nothing of the kind.
+    ValueError
+        If the parts do not fit one another.
     """
     kind = what["@"]
     if kind == "array":
         return parts["value"]
     if kind == "csr":
         arrays = tuple(parts[part] for part in ("data", "indices", "indptr"))
-        return sparse.csr_array(arrays, shape=tuple(what["shape"]))
+        matrix = sparse.csr_array(arrays, shape=tuple(what["shape"]))
+        matrix.check_format(full_check=True)
+        return matrix
     if kind == "descriptors":
-        return DescriptorSets(parts["values"], parts["offsets"])
+        return _descriptors(parts["values"], parts["offsets"])
     raise KeyError(kind)
+
+
+def _descriptors(values: NDArray[Any], offsets: NDArray[Any]) -> DescriptorSets:
+    if values.ndim != 2 or offsets.ndim != 1 or offsets.dtype.kind not in "iu" or not len(offsets):
+        raise ValueError(f"descriptor sets of shapes {values.shape} and {offsets.shape}")
+    if offsets[0] != 0 or offsets[-1] != len(values) or (np.diff(offsets) < 0).any():
+        raise ValueError("the sets of descriptors do not lie end to end")
+    return DescriptorSets(values, offsets)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import time
@@ -12,12 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from placecue.atomic import write_json
-from placecue.storage import shard
+from placecue.atomic import write_text
+from placecue.errors import DataError
+from placecue.storage import shard, strict_json
+from placecue.storage.guarded import read_bytes
 
 ABOUT = "about.json"
 FORMAT = "placecue/features"
 DAY = 86_400.0
+#: Bytes that what is said of a folder may take.
+ABOUT_SIZE = 2**20
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +59,7 @@ def describe(folder: Path, about: Mapping[str, Any]) -> None:
         If it cannot be written.
     """
     if not (folder / ABOUT).exists():
-        write_json(folder / ABOUT, {"format": FORMAT, **about})
+        write_text(folder / ABOUT, strict_json.dumps({"format": FORMAT, **about}).decode())
 
 
 def touch(folder: Path) -> None:
@@ -102,10 +105,10 @@ def trim(cache: Path, max_bytes: float | None = None, unused_days: float | None 
 
 def _kept(folder: Path) -> Kept | None:
     try:
-        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        about = strict_json.loads(read_bytes(folder / ABOUT, ABOUT_SIZE), folder / ABOUT)
         used = (folder / ABOUT).stat().st_mtime
         paths = list(folder.iterdir())
-    except (OSError, ValueError):
+    except (OSError, DataError):
         return None
     if not isinstance(about, dict) or about.get("format") != FORMAT:
         return None

@@ -24,9 +24,12 @@ class ScikitLearn(Classifier):
     Scores are its probabilities where it gives them, else its decision function.
 
     scikit-learn keeps what it has learned in objects that only pickle can store, and a model
-    folder holds none. So what is learned here are the training samples themselves: a model that
-    was loaded fits the estimator on them again when it is first asked, with the same random
-    state, which gives the same predictions with the same version of scikit-learn.
+    folder holds none. So what is learned here are the training samples themselves, arrays whose
+    digest the model's manifest holds: a model that was loaded fits the estimator on them, and on
+    nothing else, when it is first asked, with the same random state, which gives the same
+    predictions with the same version of scikit-learn. Reading a model fits nothing. Which
+    parameters ``params`` may set, and to what, is the same for a config and a model folder: plain
+    data that names no file, function or process (:mod:`placecue.estimators`).
 
     Parameters
     ----------
@@ -113,6 +116,26 @@ class ScikitLearn(Classifier):
             self._estimator = built
         return self._estimator
 
+    def check_learned(self) -> None:
+        """Check what a model folder says, before the estimator is fitted on it.
+
+        Raises
+        ------
+        ValueError
+            If the samples, their classes and their columns do not fit together.
+        UsageError
+            If the estimator or a parameter of it is not allowed.
+        """
+        self._built()
+        codes, width = np.asarray(self.codes_), int(self.features_.shape[1])
+        if codes.shape != (self.features_.shape[0],) or codes.dtype.kind != "i":
+            raise ValueError(f"{self.features_.shape} samples and {codes.shape} classes of them")
+        if not np.array_equal(np.unique(codes), np.arange(len(self.labels_))):
+            raise ValueError("the classes of the samples are not those of labels_")
+        columns = self.columns_
+        if columns is not None and (columns.shape != (width,) or (np.diff(columns) <= 0).any()):
+            raise ValueError("columns_ are not those of the samples")
+
     def _built(self) -> Any:
         built = estimators.classifier(self.estimator, self.params)
         open_states = {
@@ -136,7 +159,7 @@ class ScikitLearn(Classifier):
     def _train(self, estimator: Any) -> None:
         try:
             estimator.fit(self.features_, self.codes_)
-        except (ValueError, TypeError) as error:
+        except Exception as error:  # it need not be scikit-learn's own
             reason = " ".join(str(error).split())
             raise UnfitSamples(f"{self.estimator} refused the samples: {reason}") from error
 

@@ -24,7 +24,7 @@ from placecue.training_set import TrainingSet
 from placecue_classifiers import calibration
 from placecue_classifiers.convergence import told_once
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
-from placecue_classifiers.machines import Machines
+from placecue_classifiers.machines import Machines, Weights
 from placecue_classifiers.multiclass import LAYOUTS, Multiclass
 from placecue_classifiers.prepared import Prepared, learns, remembering
 from placecue_classifiers.search import Folds, best_of, search
@@ -237,7 +237,9 @@ class SVM(Classifier):
         """Return this SVM's multi-class extension over the classes of a fitted one."""
         names = fitted.class_names
         weights = self.class_weight
-        by_name = weights if isinstance(weights, str) else of_classes(weights, names)
+        by_name: Weights = of_classes(weights, names)
+        if weights == "balanced":
+            by_name = "balanced"
         return Multiclass(self.multiclass, names, self.C, by_name)
 
     def _preparing(self, grid: Grid, features: FeatureBatch) -> Callable[..., Prepared]:

@@ -9,6 +9,7 @@ import numpy as np
 from placecue import Component, Cue, LaserScan, Observation, Pipeline, Pose2D, Source
 from placecue.components.manager import load_plugins
 from placecue.components.registry import Registry
+from placecue.scaling import RangeScaling
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF
@@ -95,7 +96,7 @@ def pipeline() -> Pipeline:
     return Pipeline(
         cues={
             "beams": (Beams(), SVM(kernel=RBF(gamma=0.1), multiclass="oao")),
-            "brightness": (Brightness(), SVM(kernel=RBF(gamma=0.001), scaling="range")),
+            "brightness": (Brightness(), SVM(kernel=RBF(gamma=0.001), scaling=RangeScaling())),
         },
         integrator=SVMDAS(classifier=SVM(kernel=RBF(gamma=0.3), multiclass="oao")),
     )

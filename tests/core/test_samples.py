@@ -23,6 +23,7 @@ from placecue import (
 from placecue.classifier import Classifier
 from placecue.evidence import OutOfFold
 from placecue.learning.samples import collect
+from placecue.scaling import RangeScaling
 from placecue_classifiers.svm import SVM
 from placecue_cues.laser import LaserGeometry
 from placecue_integrators.svm_das import SVMDAS
@@ -159,7 +160,7 @@ def test_a_scale_that_cannot_be(wrong: float) -> None:
 def test_two_cues_one_of_which_has_copies() -> None:
     cues: dict[str, tuple[Cue, Classifier]] = {
         "beams": (Doubled(), SVM(kernel=RBF(gamma=0.1), search={"C": [1, 10]})),
-        "brightness": (toys.Brightness(), SVM(kernel=RBF(gamma=0.001), scaling="range")),
+        "brightness": (toys.Brightness(), SVM(kernel=RBF(gamma=0.001), scaling=RangeScaling())),
     }
     pipeline = Pipeline(cues, SVMDAS(SVM(kernel=RBF(gamma=0.3), multiclass="oao"))).fit(Walk())
     beliefs = list(pipeline.beliefs(Walk(seed=1)))

@@ -1,7 +1,7 @@
 """What a component has learned, as JSON and arrays; never as code.
 
 Learned attributes are those whose names end in ``_``. They may be numbers, strings, lists,
-mappings, arrays, sparse matrices, descriptor sets, layouts, scalings, and other components.
+mappings, arrays, sparse matrices, descriptor sets, layouts, and other components.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from placecue.components.build import build, describe
 from placecue.components.hooks import Kind
 from placecue.components.registry import Registry
 from placecue.errors import DataError, UsageError
-from placecue.scaling import SCALINGS, Scaling
-from placecue.scores import Layout, layout_from_json
+from placecue.scores import Layout
 from placecue.storage.arrays import KINDS, from_parts, parts_of
 
 Arrays = dict[str, NDArray[Any]]
@@ -81,12 +80,7 @@ class Encoder:
                 )
             items_of = {k: self.encode(v, f"{where}.{k}") for k, v in value.items()}
             return {"@": "mapping", "items": items_of}
-        if isinstance(value, Layout):
-            return {"@": "layout", "value": value.to_json()}
-        if isinstance(value, Scaling):
-            name = next(name for name, kind in SCALINGS.items() if kind is type(value))
-            return {"@": "scaling", "name": name, "state": self.state(value, where)}
-        if isinstance(value, BaseEstimator):
+        if isinstance(value, (BaseEstimator, Layout)):
             return self._component(value, where)
         return self._array(value, where)
 
@@ -144,12 +138,6 @@ class Decoder:
             return tuple(self.decode(item) for item in value["items"])
         if kind == "mapping":
             return {key: self.decode(item) for key, item in value["items"].items()}
-        if kind == "layout":
-            return layout_from_json(value["value"])
-        if kind == "scaling":
-            scaling = SCALINGS[value["name"]]()
-            self.restore(scaling, value["state"])
-            return scaling
         if kind == "component":
             return self.component(value["spec"], value["kind"], value["state"])
         return self._array(kind, value)

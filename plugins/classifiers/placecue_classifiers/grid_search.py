@@ -12,7 +12,7 @@ from sklearn.base import clone
 from placecue.classifier import Classifier, FoldFeatures
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, take
-from placecue.folds import Rows, fold_scheme
+from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.samples import CueSamples, LearnedFrom
 from placecue.learning.training import train
 from placecue.progress import track
@@ -35,8 +35,8 @@ class GridSearch(Classifier):
     search : mapping of str to sequence
         Values to try by the name of the parameter, such as ``{"rounds": [30, 100, 300]}``; one of
         a component inside the classifier as ``kernel__gamma``.
-    folds : mapping, optional
-        How the training samples are cut, such as ``{"scheme": "interleaved", "n_folds": 5}``.
+    folds : FoldScheme, optional
+        How the training samples are cut; interleaved chunks by default.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class GridSearch(Classifier):
         self,
         classifier: Classifier | None = None,
         search: Mapping[str, Sequence[Any]] | None = None,
-        folds: Mapping[str, Any] | None = None,
+        folds: FoldScheme | None = None,
     ) -> None:
         self.classifier = classifier
         self.search = search
@@ -88,7 +88,8 @@ class GridSearch(Classifier):
         :meth:`placecue.classifier.Classifier.fit_on_learned`.
         """
         points = self._points()
-        scheme = fold_scheme(self.folds)
+        scheme = self.folds or InterleavedChunks()
+        scheme.check_parameters()
         features = self.training_samples(features, labels)
         codes = self.learn_classes(labels)
         given, times = self.labels_[codes], None if stamps is None else np.asarray(stamps)

@@ -15,7 +15,7 @@ from placecue.errors import DataError, UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of, take
 from placecue.folds import Rows
 from placecue.kernel import Gram, Kernel
-from placecue.scaling import Scaling, scaling
+from placecue.scaling import Scaling
 from placecue_classifiers.grid import Setting
 
 
@@ -49,17 +49,17 @@ class Prepared:
         cls,
         features: FeatureBatch,
         kernel: Kernel,
-        how: str | None,
+        how: Scaling | None,
         rows: Rows | None = None,
         light: bool = False,
     ) -> Prepared:
-        """Fit a copy of the kernel and the scaling named ``how``.
+        """Fit copies of the kernel and of the scaling ``how``.
 
         Parameters
         ----------
         features : batch of n samples
         kernel : Kernel
-        how : str or None
+        how : Scaling or None
         rows : ndarray of int64, optional
             The samples to fit on; all by default.
         light : bool
@@ -131,19 +131,22 @@ class Preparations:
         return self.last[1]
 
 
-def fitted_scaling(features: FeatureBatch, how: str | None) -> Scaling | None:
-    """Return the scaling named ``how`` fitted on dense features, shape (n, d); None for none.
+def fitted_scaling(features: FeatureBatch, how: Scaling | None) -> Scaling | None:
+    """Return a copy of the scaling ``how`` fitted on dense features, shape (n, d); None for none.
 
     Raises
     ------
     UsageError
-        If there is none of that name, or the features are not dense.
+        If the features are not dense.
     """
     if how is None:
         return None
+    if not isinstance(how, Scaling):
+        raise UsageError(f"scaling must be a Scaling, such as QuantileScaling(), got {how!r}")
     if kind_of(features) is not FeatureKind.DENSE:
-        raise WrongKind(f"scaling '{how}' takes dense vectors, got {kind_of(features)}")
-    return scaling(how).fit(np.asarray(features))
+        raise WrongKind(f"{type(how).__name__} takes dense vectors, got {kind_of(features)}")
+    fitted: Scaling = clone(how)
+    return fitted.fit(np.asarray(features))
 
 
 def _of_rows(features: FeatureBatch, rows: Rows | None) -> FeatureBatch:

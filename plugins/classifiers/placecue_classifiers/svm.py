@@ -12,9 +12,10 @@ from sklearn.base import clone
 from placecue.classifier import Classifier, FoldFeatures
 from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, FeatureKind, take
-from placecue.folds import Rows, fold_scheme
+from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.kernel import Gram, Kernel
 from placecue.progress import track
+from placecue.scaling import Scaling
 from placecue.scores import (
     Layout,
     ModifiedOneAgainstAll,
@@ -49,7 +50,7 @@ class SVM(Classifier):
         nearest).
     class_weight : {"balanced"}, mapping of class to weight, or None
         Weight classes by inverse frequency, as given (1 where it is not), or not.
-    scaling : {"range", "standard", "quantiles"} or None
+    scaling : Scaling, optional
         Scaling of dense features, learned on the training samples.
     search : mapping, optional
         Values to try by cross-validation on balanced accuracy, every combination of them:
@@ -58,18 +59,16 @@ class SVM(Classifier):
         C, class weight, multi-class extension and fold; one matrix of distances every gamma, also
         of kernels inside a sum or product. Of a cue that learns, each fold has features and
         matrices of its own. What is left out stays as given.
-    folds : mapping, optional
-        How the training samples are cut for search and calibration, such as ``{"scheme":
-        "interleaved", "n_folds": 5, "seconds": 2.0}``; other schemes are ``blocks``,
-        ``shuffled`` and ``by_log``.
+    folds : FoldScheme, optional
+        How the training samples are cut for search and calibration; interleaved chunks by default.
     probability : {"sigmoid", "isotonic"} or None
         Turn the outputs into probabilities, learned on held-out folds: Platt's sigmoid, or
         isotonic regression. The class then is the likeliest one.
     refit : bool
         After the search, train on all samples. If not, those that the one fold held out have
-        chosen the parameters and are left at that: with ``folds={"scheme": "by_log",
-        "only_last": True}`` the machines are trained on the logs before the last. Cue, scaling
-        and kernel have learned from all samples either way.
+        chosen the parameters and are left at that: with ``folds=ByLog(only_last=True)`` the
+        machines are trained on the logs before the last. Cue, scaling and kernel have learned from
+        all samples either way.
 
     Attributes
     ----------
@@ -107,9 +106,9 @@ class SVM(Classifier):
         C: float = 100.0,
         multiclass: str = "oaa",
         class_weight: ClassWeight = "balanced",
-        scaling: str | None = None,
-        search: Mapping[str, Sequence[float | str | bool | Sequence[float] | None]] | None = None,
-        folds: Mapping[str, Any] | None = None,
+        scaling: Scaling | None = None,
+        search: Mapping[str, Sequence[Any]] | None = None,
+        folds: FoldScheme | None = None,
         probability: str | None = None,
         refit: bool = True,
     ) -> None:
@@ -330,7 +329,7 @@ class SVM(Classifier):
         self, codes: NDArray[np.int64], stamps: ArrayLike | None
     ) -> list[tuple[Rows, Rows]]:
         names = np.asarray(self.class_names)
-        return list(fold_scheme(self.folds).split(names[codes], stamps))
+        return list((self.folds or InterleavedChunks()).split(names[codes], stamps))
 
     def _check_parameters(self) -> None:
         allowed = {
@@ -348,7 +347,8 @@ class SVM(Classifier):
             raise UsageError("an SVM needs a kernel, such as kernel={plugin: rbf}")
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
-        fold_scheme(self.folds)
+        if self.folds is not None:
+            self.folds.check_parameters()
         if not (self.refit or self.search):
             raise UsageError("refit=false keeps what a search held out: give search, or refit=true")
 
@@ -365,6 +365,6 @@ def _one_training_part(splits: Sequence[tuple[Rows, Rows]]) -> Rows:
     if len(splits) != 1:
         raise UsageError(
             f"refit=false needs folds that hold out samples once, and these do {len(splits)} "
-            "times: choose folds={scheme: by_log, only_last: true}"
+            "times: choose folds={plugin: by_log, only_last: true}"
         )
     return splits[0][0]

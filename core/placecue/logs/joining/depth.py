@@ -8,7 +8,7 @@ from itertools import takewhile
 from typing import Any
 
 from placecue.errors import DataError, UnusableObservation
-from placecue.logs.adapters import adapter_for
+from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.joining.items import TopicReader
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import decoder_for

@@ -8,8 +8,8 @@ from typing import Any
 from mcap.records import Message
 
 from placecue.errors import DataError, UnusableObservation
-from placecue.logs.adapters import adapter_for
 from placecue.logs.adapters.base import Role
+from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
 

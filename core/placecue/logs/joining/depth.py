@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import takewhile
 from typing import Any
 
+from placecue.depth import Intrinsics, virtual_scan
 from placecue.errors import DataError, UnusableObservation
 from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.joining.items import TopicReader
@@ -15,7 +16,6 @@ from placecue.logs.messages.decoders import decoder_for
 from placecue.logs.messages.geometry import Transform
 from placecue.logs.messages.images import DEPTH_FORMATS, RawImage
 from placecue.observation import LaserScan
-from placecue.virtual_scan import Intrinsics, virtual_scan
 
 CAMERA_INFO = "sensor_msgs/CameraInfo"
 CALIBRATION = "foxglove.CameraCalibration"

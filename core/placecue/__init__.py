@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         UsageError,
         choices,
     )
-    from placecue.estimator import Estimator
+    from placecue.estimator import Estimator, clone
     from placecue.estimators import allow_estimators
     from placecue.evidence import Evidence, ObservedEvidence, StoredEvidence
     from placecue.faults import Faults
@@ -155,6 +155,7 @@ __all__ = [
     "check_number",
     "check_whole",
     "choices",
+    "clone",
     "estimators",
     "hookimpl",
     "kind_of",
@@ -184,7 +185,7 @@ _MODULES = {
         "UsageError",
         "choices",
     ),
-    "estimator": ("Estimator",),
+    "estimator": ("Estimator", "clone"),
     "estimators": ("allow_estimators",),
     "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence"),
     "faults": ("Faults",),

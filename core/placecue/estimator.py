@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
+from sklearn import base
 from sklearn.base import BaseEstimator
+
+T = TypeVar("T")
 
 
 class Estimator(BaseEstimator):  # type: ignore[misc]
@@ -26,3 +29,9 @@ class Estimator(BaseEstimator):  # type: ignore[misc]
 
     def check_parameters(self) -> None:
         """Raise UsageError if a parameter cannot be what it is; the default accepts all."""
+
+
+def clone(component: T) -> T:
+    """Return an unfitted copy of a component with the same parameters: scikit-learn's, typed."""
+    copy: T = base.clone(component)
+    return copy

@@ -36,7 +36,7 @@ from placecue.components.manager import load_plugins
 from placecue.components.options import register_with_hydra
 from placecue.components.pipelines import build_pipeline
 from placecue.errors import PlacecueError
-from placecue.folds import Rows, fold_scheme
+from placecue.folds import FoldScheme, Rows
 from placecue.learning.samples import CueSamples
 
 PAGE = Path(__file__).parents[1] / "docs" / "cues_and_classifiers.md"
@@ -163,7 +163,8 @@ class Bench:
         part, log = PARTS[row.part], self._log(row.part, config["source"])
         classes = part.tests[test]
         rows = np.flatnonzero([classes is None or label in classes for label in log.labels])
-        scheme = fold_scheme({"scheme": part.scheme, "n_folds": part.outer})
+        outer = {"plugin": part.scheme, "n_folds": part.outer}
+        scheme: FoldScheme = build(outer, "folds", REGISTRY)
         training, held_out = list(scheme.split(log.labels[rows], log.stamps[rows]))[number]
         cue, truth = components(config)[0], log.labels[rows[held_out]]
         if cue.learns:

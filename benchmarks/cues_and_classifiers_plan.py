@@ -128,7 +128,7 @@ class Row:
 
     def _classifier(self, column: str, place: str) -> list[str]:
         part = PARTS[self.part]
-        folds = [f"{place}.folds.scheme={part.scheme}", f"{place}.folds.n_folds={part.inner}"]
+        folds = [f"{place}.folds={{plugin:{part.scheme},n_folds:{part.inner}}}"]
         if column in EXTENSIONS:
             return [f"{place}.multiclass={column}", *folds, *(f"{place}.{o}" for o in self.svm)]
         if column in KERNELS:

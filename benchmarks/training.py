@@ -24,7 +24,7 @@ from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
 from placecue.features import FeatureBatch, stack
-from placecue.scaling import scaling
+from placecue.scaling import QuantileScaling
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
@@ -66,7 +66,7 @@ def seconds(call: Callable[[], Any]) -> float:
 def ours(name: str, features: FeatureBatch, labels: np.ndarray) -> float:
     kernel = Chi2() if name == "crfh" else RBF()
     search = {"C": COSTS, "gamma": GAMMAS[name], "multiclass": MULTICLASS}
-    svm = SVM(kernel, search=search, scaling=None if name == "crfh" else "quantiles")
+    svm = SVM(kernel, search=search, scaling=None if name == "crfh" else QuantileScaling())
     elapsed = seconds(lambda: svm.fit(features, labels))
     best = max(svm.search_["balanced_accuracy"])
     print(f"  placecue SVM, {len(svm.search_['C'])} points: {elapsed:8.2f} s ({100 * best:.1f} %)")
@@ -75,7 +75,7 @@ def ours(name: str, features: FeatureBatch, labels: np.ndarray) -> float:
 
 def peer_laser(features: np.ndarray, labels: np.ndarray) -> float:
     """Time the peer on the whole grid: one-against-one, and one-against-all twice."""
-    scaled = scaling("quantiles").fit(features).transform(features)
+    scaled = QuantileScaling().fit(features).transform(features)
     rest = OneVsRestClassifier(SVC(kernel="rbf", class_weight="balanced"))
     once = SVC(kernel="rbf", class_weight="balanced")
     elapsed = [

@@ -65,6 +65,18 @@ def succeeds(*words: str) -> Told:
     return told
 
 
+def installed(python: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run placecue as the Python of another environment sees it."""
+    return subprocess.run(
+        [python, "-m", "placecue", *words],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, **environment},
+        check=False,
+    )
+
+
 @contextmanager
 def _as_it_was() -> Iterator[None]:
     """Undo what a command does to the process: its loggers, its arguments, its environment."""

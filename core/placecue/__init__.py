@@ -1,7 +1,7 @@
 """placecue: what kind of place a robot is in, from many cues.
 
-The public names of the package. They are imported when first used, so that ``import placecue``
-costs nothing.
+The public names of the package: what a component is written with. They are imported when first
+used, so that ``import placecue`` costs nothing.
 """
 
 from __future__ import annotations
@@ -10,28 +10,61 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from placecue import contracts, estimators
     from placecue.accumulator import Accumulator, AreaUpdate, Boundary
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
-    from placecue.classifier import Classifier
-    from placecue.components.hooks import Component, hookimpl
-    from placecue.cue import Cue
+    from placecue.checks import check_choice, check_number, check_whole
+    from placecue.classifier import Classifier, UnfitSamples, WrongKind, wrong_kind
+    from placecue.components.hooks import Component, Kind, hookimpl
+    from placecue.cue import Augmentation, Cue
+    from placecue.cue_model import CueModel
+    from placecue.depth import Intrinsics, virtual_scan
     from placecue.errors import (
         DataError,
         PlacecueError,
         PluginError,
         UnusableObservation,
         UsageError,
+        choices,
     )
+    from placecue.estimator import Estimator, clone
     from placecue.estimators import allow_estimators
-    from placecue.evidence import Evidence, ObservedEvidence, StoredEvidence
-    from placecue.features import DescriptorSets, FeatureBatch, FeatureKind, Features
-    from placecue.folds import Blocks, ByLog, FoldScheme, InterleavedChunks, Shuffled
+    from placecue.evidence import Evidence, ObservedEvidence, StoredEvidence, concatenate
+    from placecue.extraction import Extracted, Extraction
+    from placecue.faults import Faults
+    from placecue.features import (
+        DescriptorSets,
+        FeatureBatch,
+        FeatureKind,
+        Features,
+        kind_of,
+        stack,
+        take,
+    )
+    from placecue.folds import Blocks, ByLog, FoldScheme, InterleavedChunks, Rows, Shuffled
+    from placecue.grams import Grams, KeptGrams, Known, current, keeping
+    from placecue.guard import call
+    from placecue.held_out import HeldOut
     from placecue.integrator import Integrator
-    from placecue.kernel import DistanceKernel, Kernel
+    from placecue.interruptible import interruptible
+    from placecue.kernel import DistanceKernel, Gram, Kernel
     from placecue.learning.rejection import Unknown
-    from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
+    from placecue.logs.adapters.base import Adapter, Role
+    from placecue.logs.messages.geometry import Transform
+    from placecue.logs.messages.images import RawImage
+    from placecue.observation import (
+        PARTS,
+        EncodedImage,
+        Image,
+        LaserScan,
+        Observation,
+        Part,
+        Pose2D,
+    )
     from placecue.pipeline import Pipeline
+    from placecue.progress import track
+    from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -42,28 +75,161 @@ if TYPE_CHECKING:
         Probabilities,
         Scores,
     )
-    from placecue.semantic_map import Area, Node, SemanticMap
+    from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
+    from placecue.skipped import Skipped
     from placecue.source import Source
+    from placecue.training_set import TrainingSet
 
 __version__ = "0.1.0"
 
+__all__ = [
+    "Accumulator",
+    "Adapter",
+    "Area",
+    "AreaUpdate",
+    "Augmentation",
+    "Belief",
+    "Blocks",
+    "Boundary",
+    "ByLog",
+    "Classifier",
+    "Component",
+    "Cue",
+    "CueModel",
+    "DataError",
+    "Decision",
+    "DecisionList",
+    "DescriptorSets",
+    "DistanceKernel",
+    "EncodedImage",
+    "Estimator",
+    "Evidence",
+    "Extracted",
+    "Extraction",
+    "Faults",
+    "FeatureBatch",
+    "FeatureKind",
+    "Features",
+    "FoldScheme",
+    "Gram",
+    "Grams",
+    "HeldOut",
+    "Image",
+    "Integrator",
+    "InterleavedChunks",
+    "Intrinsics",
+    "KeptGrams",
+    "Kernel",
+    "Kind",
+    "Known",
+    "LaserScan",
+    "Layout",
+    "ModifiedOneAgainstAll",
+    "Node",
+    "Observation",
+    "ObservedEvidence",
+    "OneAgainstAll",
+    "OneAgainstOne",
+    "PARTS",
+    "Part",
+    "PinholeCamera",
+    "Pipeline",
+    "PlacecueError",
+    "PluginError",
+    "Pose2D",
+    "Probabilities",
+    "QuantileScaling",
+    "RangeScaling",
+    "RawImage",
+    "Role",
+    "Rows",
+    "Scaling",
+    "Scores",
+    "SemanticMap",
+    "Shuffled",
+    "Skipped",
+    "Source",
+    "StandardScaling",
+    "StoredEvidence",
+    "TrainingSet",
+    "Transform",
+    "UNKNOWN",
+    "UnfitSamples",
+    "Unknown",
+    "UnusableObservation",
+    "UsageError",
+    "WrongKind",
+    "__version__",
+    "allow_estimators",
+    "call",
+    "check_choice",
+    "check_number",
+    "check_whole",
+    "choices",
+    "clone",
+    "concatenate",
+    "contracts",
+    "current",
+    "estimators",
+    "hookimpl",
+    "interruptible",
+    "keeping",
+    "kind_of",
+    "stack",
+    "take",
+    "track",
+    "virtual_scan",
+    "wrong_kind",
+]
+
+#: Where each name is at home.
 _MODULES = {
     "accumulator": ("Accumulator", "AreaUpdate", "Boundary"),
     "belief": ("Belief",),
     "camera": ("PinholeCamera",),
-    "classifier": ("Classifier",),
-    "cue": ("Cue",),
-    "components.hooks": ("Component", "hookimpl"),
-    "errors": ("DataError", "PlacecueError", "PluginError", "UnusableObservation", "UsageError"),
-    "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence"),
-    "features": ("DescriptorSets", "FeatureBatch", "FeatureKind", "Features"),
-    "folds": ("Blocks", "ByLog", "FoldScheme", "InterleavedChunks", "Shuffled"),
+    "checks": ("check_choice", "check_number", "check_whole"),
+    "classifier": ("Classifier", "UnfitSamples", "WrongKind", "wrong_kind"),
+    "components.hooks": ("Component", "Kind", "hookimpl"),
+    "cue": ("Augmentation", "Cue"),
+    "cue_model": ("CueModel",),
+    "depth": ("Intrinsics", "virtual_scan"),
+    "errors": (
+        "DataError",
+        "PlacecueError",
+        "PluginError",
+        "UnusableObservation",
+        "UsageError",
+        "choices",
+    ),
+    "estimator": ("Estimator", "clone"),
     "estimators": ("allow_estimators",),
+    "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence", "concatenate"),
+    "extraction": ("Extracted", "Extraction"),
+    "faults": ("Faults",),
+    "features": (
+        "DescriptorSets",
+        "FeatureBatch",
+        "FeatureKind",
+        "Features",
+        "kind_of",
+        "stack",
+        "take",
+    ),
+    "folds": ("Blocks", "ByLog", "FoldScheme", "InterleavedChunks", "Rows", "Shuffled"),
+    "grams": ("Grams", "KeptGrams", "Known", "current", "keeping"),
+    "guard": ("call",),
+    "held_out": ("HeldOut",),
     "integrator": ("Integrator",),
-    "kernel": ("DistanceKernel", "Kernel"),
-    "observation": ("EncodedImage", "LaserScan", "Observation", "Pose2D"),
-    "pipeline": ("Pipeline",),
+    "interruptible": ("interruptible",),
+    "kernel": ("DistanceKernel", "Gram", "Kernel"),
     "learning.rejection": ("Unknown",),
+    "logs.adapters.base": ("Adapter", "Role"),
+    "logs.messages.geometry": ("Transform",),
+    "logs.messages.images": ("RawImage",),
+    "observation": ("PARTS", "EncodedImage", "Image", "LaserScan", "Observation", "Part", "Pose2D"),
+    "pipeline": ("Pipeline",),
+    "progress": ("track",),
+    "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
     "scores": (
         "Decision",
         "DecisionList",
@@ -74,15 +240,17 @@ _MODULES = {
         "Probabilities",
         "Scores",
     ),
-    "semantic_map": ("Area", "Node", "SemanticMap"),
+    "semantic_map": ("UNKNOWN", "Area", "Node", "SemanticMap"),
+    "skipped": ("Skipped",),
     "source": ("Source",),
+    "training_set": ("TrainingSet",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
-
-__all__ = [*sorted(_HOME), "__version__"]
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(f"placecue.{_HOME[name]}"), name)
+    if name in __all__:  # a module
+        return import_module(f"placecue.{name}")
     raise AttributeError(f"module 'placecue' has no attribute '{name}'")

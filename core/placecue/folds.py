@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from placecue.errors import DataError, UsageError, choices
+from placecue.errors import DataError, UsageError
+from placecue.estimator import Estimator
 
 Rows = NDArray[np.int64]
 NANOSECONDS = 1_000_000_000
-#: The types of fold schemes' parameters in words.
-_WORDS = {bool: "true or false", int: "a whole number", float: "a number"}
 
 
-@dataclass(frozen=True, slots=True)
-class FoldScheme(ABC):
+class FoldScheme(Estimator, ABC):
     """A way of cutting samples into folds.
 
     Parameters
@@ -28,14 +24,21 @@ class FoldScheme(ABC):
         Number of folds, two or more.
     """
 
-    n_folds: int = 5
+    def __init__(self, n_folds: int = 5) -> None:
+        self.n_folds = n_folds
 
-    def __post_init__(self) -> None:
+    def check_parameters(self) -> None:
+        """Raise UsageError unless there are two folds or more."""
         if not isinstance(self.n_folds, int) or self.n_folds < 2:
             raise UsageError(f"folds.n_folds must be 2 or more, got {self.n_folds!r}")
 
     @abstractmethod
-    def assign(self, labels: ArrayLike, stamps: ArrayLike | None = None) -> NDArray[np.int64]:
+    def assign(
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
+    ) -> NDArray[np.int64]:
         """Return the fold of each sample, shape (n,); -1 for one that is never held out.
 
         Parameters
@@ -44,6 +47,8 @@ class FoldScheme(ABC):
             Class of each sample.
         stamps : array of int, shape (n,), optional
             Time of each sample, ns. Without it samples count as one every 0.2 s.
+        groups : array of int, shape (n,), optional
+            What each sample is of, such as its log or its scene.
         """
 
     def split(
@@ -52,7 +57,7 @@ class FoldScheme(ABC):
         stamps: ArrayLike | None = None,
         groups: ArrayLike | None = None,
     ) -> Iterator[tuple[Rows, Rows]]:
-        """Yield (training rows, held-out rows) for each fold.
+        """Yield (training rows, held-out rows) for each fold; see :meth:`assign`.
 
         Every class is in the training rows of every fold: a fold that would take away the whole
         of a class leaves that class's samples in training and does not score them. Folds that
@@ -60,9 +65,12 @@ class FoldScheme(ABC):
 
         Raises
         ------
+        UsageError
+            If a parameter cannot be what it is.
         DataError
             If a class has one sample only, or no fold holds a sample out.
         """
+        self.check_parameters()
         labels = np.asarray(labels)
         classes, counts = np.unique(labels, return_counts=True)
         if counts.min(initial=2) < 2:
@@ -71,7 +79,7 @@ class FoldScheme(ABC):
                 f"class '{alone}' has one sample only; cross-validation needs two or more of each "
                 "class: record more of it, or drop it"
             )
-        fold = self.assign(labels, stamps)
+        fold = self.assign(labels, stamps, groups)
         rows = np.arange(len(labels))
         empty = True
         for number in range(self.n_folds):
@@ -86,11 +94,10 @@ class FoldScheme(ABC):
         if empty:
             raise DataError(
                 f"none of the {len(labels)} samples can be held out: no class is in two folds of "
-                f"{type(self).__name__}; give more samples, or choose another fold scheme"
+                f"{type(self).__name__}; give more samples, or choose other folds"
             )
 
 
-@dataclass(frozen=True, slots=True)
 class InterleavedChunks(FoldScheme):
     """Chunks of a few seconds, cut within each class and dealt to the folds in turn.
 
@@ -105,15 +112,20 @@ class InterleavedChunks(FoldScheme):
         Length of a chunk, s.
     """
 
-    seconds: float = 2.0
+    def __init__(self, n_folds: int = 5, seconds: float = 2.0) -> None:
+        super().__init__(n_folds)
+        self.seconds = seconds
 
-    def __post_init__(self) -> None:
-        FoldScheme.__post_init__(self)
+    def check_parameters(self) -> None:  # noqa: D102
+        super().check_parameters()
         if self.seconds <= 0:
             raise UsageError(f"folds.seconds must be above 0, got {self.seconds}")
 
     def assign(  # noqa: D102
-        self, labels: ArrayLike, stamps: ArrayLike | None = None
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
     ) -> NDArray[np.int64]:
         labels = np.asarray(labels)
         length = int(self.seconds * NANOSECONDS)
@@ -134,12 +146,14 @@ class InterleavedChunks(FoldScheme):
         return fold % self.n_folds
 
 
-@dataclass(frozen=True, slots=True)
 class Blocks(FoldScheme):
     """Contiguous fractions of each class, in the order of the samples."""
 
     def assign(  # noqa: D102
-        self, labels: ArrayLike, stamps: ArrayLike | None = None
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
     ) -> NDArray[np.int64]:
         labels = np.asarray(labels)
         times = _times(len(labels), stamps)
@@ -150,7 +164,6 @@ class Blocks(FoldScheme):
         return fold
 
 
-@dataclass(frozen=True, slots=True)
 class Shuffled(FoldScheme):
     """Samples of each class dealt to the folds at random.
 
@@ -165,10 +178,15 @@ class Shuffled(FoldScheme):
         Of the random numbers.
     """
 
-    seed: int = 0
+    def __init__(self, n_folds: int = 5, seed: int = 0) -> None:
+        super().__init__(n_folds)
+        self.seed = seed
 
     def assign(  # noqa: D102
-        self, labels: ArrayLike, stamps: ArrayLike | None = None
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
     ) -> NDArray[np.int64]:
         labels = np.asarray(labels)
         times = _times(len(labels), stamps)
@@ -184,11 +202,11 @@ class Shuffled(FoldScheme):
         return fold
 
 
-@dataclass(frozen=True, slots=True)
 class ByLog(FoldScheme):
     """Whole logs: train on the others, test on one.
 
-    A new log begins where time goes back, or where nothing was recorded for a while.
+    A new log begins where the group changes, where time goes back, or where nothing was recorded
+    for a while.
 
     Parameters
     ----------
@@ -201,15 +219,22 @@ class ByLog(FoldScheme):
         turn.
     """
 
-    gap: float = 60.0
-    only_last: bool = False
+    def __init__(self, n_folds: int = 5, gap: float = 60.0, only_last: bool = False) -> None:
+        super().__init__(n_folds)
+        self.gap = gap
+        self.only_last = only_last
 
-    def __post_init__(self) -> None:
-        FoldScheme.__post_init__(self)
+    def check_parameters(self) -> None:  # noqa: D102
+        super().check_parameters()
         if self.gap <= 0:
             raise UsageError(f"folds.gap must be above 0, got {self.gap}")
 
-    def assign(self, labels: ArrayLike, stamps: ArrayLike | None = None) -> NDArray[np.int64]:
+    def assign(
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
+    ) -> NDArray[np.int64]:
         """Return the fold of each sample, shape (n,); see :meth:`FoldScheme.assign`.
 
         Raises
@@ -219,60 +244,21 @@ class ByLog(FoldScheme):
         """
         times = _times(len(np.asarray(labels)), stamps)
         step = np.diff(times, prepend=times[:1])
-        log = np.cumsum((step < 0) | (step > self.gap * NANOSECONDS))
+        new = (step < 0) | (step > self.gap * NANOSECONDS)
+        if groups is not None:
+            of = np.asarray(groups)
+            new |= np.diff(of, prepend=of[:1]) != 0
+        log = np.cumsum(new)
         last = int(log.max(initial=0))
         if last == 0:
             raise DataError(
-                f"the fold scheme by_log needs two logs or more, and the {len(log)} samples look "
-                f"like one: no {self.gap:g} s without a sample; give another log, or choose the "
-                "scheme interleaved"
+                f"folds by_log need two logs or more, and the {len(log)} samples look "
+                f"like one: no {self.gap:g} s without a sample; give another log, or choose other "
+                "folds, such as interleaved"
             )
         if self.only_last:
             return np.where(log == last, 0, -1)
         return np.asarray(log % self.n_folds)
-
-
-#: The schemes by name. A plugin that brings another one adds it here when it is loaded.
-FOLD_SCHEMES: dict[str, type[FoldScheme]] = {
-    "interleaved": InterleavedChunks,
-    "blocks": Blocks,
-    "shuffled": Shuffled,
-    "by_log": ByLog,
-}
-
-
-def fold_scheme(config: Mapping[str, Any] | None) -> FoldScheme:
-    """Build a fold scheme from ``{"scheme": NAME, parameter: value, ...}``.
-
-    Without a scheme it is interleaved chunks.
-
-    Raises
-    ------
-    UsageError
-        If the scheme or a parameter is unknown, or a value is not one that it can take.
-    """
-    if config is None:
-        return InterleavedChunks()
-    if not isinstance(config, Mapping):
-        raise UsageError(f"folds must be a mapping with 'scheme' and parameters, got {config!r}")
-    parameters = dict(config)
-    name = parameters.pop("scheme", "interleaved")
-    if name not in FOLD_SCHEMES:
-        raise UsageError(f"unknown fold scheme '{name}'; {choices(str(name), FOLD_SCHEMES)}")
-    scheme = FOLD_SCHEMES[name]
-    known = {each.name: type(each.default) for each in fields(scheme)}
-    for parameter, value in parameters.items():
-        if parameter not in known:
-            raise UsageError(
-                f"fold scheme '{name}' has no parameter '{parameter}'; "
-                f"{choices(parameter, known)}; take it out with ~folds.{parameter} (of a "
-                f"classifier: ~cues.CUE.classifier.folds.{parameter})"
-            )
-        wanted = known[parameter]
-        fits = type(value) is wanted or (wanted is float and type(value) is int)
-        if wanted in _WORDS and not fits:
-            raise UsageError(f"folds: {parameter} must be {_WORDS[wanted]}, got {value!r}")
-    return scheme(**parameters)
 
 
 def _moments(times: NDArray[np.int64]) -> Rows:

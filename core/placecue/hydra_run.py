@@ -32,6 +32,7 @@ from placecue.components.build import plain
 from placecue.components.hooks import Kind
 from placecue.components.manager import current_plugins
 from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
+from placecue.components.searches import check_opened, opened
 from placecue.errors import PlacecueError, UsageError, choices
 
 
@@ -63,7 +64,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     _log_to_stderr(_packages())
     # Hydra would print exceptions itself and exit; ours go up to the command line instead.
     os.environ["HYDRA_FULL_ERROR"] = "1"
-    sys.argv = ["placecue", *overrides]
+    sys.argv = ["placecue", *(overrides if "-sc" in overrides else opened(overrides))]
     try:
         return _enter(Task(command, overrides))
     except (PlacecueError, BrokenPipeError):
@@ -144,6 +145,7 @@ class Task:
     def _run(self, config: DictConfig, job: int | None = None) -> None:
         from placecue.commands.outputs import guarded
 
+        check_opened(config, HydraConfig.get().overrides.task)
         module = import_module(f"placecue.commands.{self.command}")
         settings: dict[str, Any] = plain(config)
         if job is not None and settings.get("out") is not None:

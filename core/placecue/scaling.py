@@ -7,9 +7,9 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator
 
-from placecue.errors import UsageError, choices
+from placecue.checks import check_whole
+from placecue.estimator import Estimator
 
 Matrix = NDArray[np.float64]
 
@@ -17,8 +17,11 @@ Matrix = NDArray[np.float64]
 _ROWS = 64
 
 
-class Scaling(BaseEstimator, ABC):  # type: ignore[misc]
-    """Maps each column of a matrix by what was learned from training samples."""
+class Scaling(Estimator, ABC):
+    """Maps each column of a matrix by what was learned from training samples.
+
+    What is learned is plain arrays under names that end in ``_``.
+    """
 
     @abstractmethod
     def fit(self, features: Matrix) -> Self:
@@ -60,11 +63,22 @@ class StandardScaling(Scaling):
 
 
 class QuantileScaling(Scaling):
-    """To the training quantiles, in [-1, 1]; values outside the training range are clipped."""
+    """To the training quantiles, in [-1, 1]; values outside the training range are clipped.
 
-    n_quantiles = 100
+    Parameters
+    ----------
+    n_quantiles : int
+        How many quantiles are kept of each column, 2 or more.
+    """
+
+    def __init__(self, n_quantiles: int = 100) -> None:
+        self.n_quantiles = n_quantiles
+
+    def check_parameters(self) -> None:  # noqa: D102
+        check_whole("scaling.n_quantiles", self.n_quantiles, least=2)
 
     def fit(self, features: Matrix) -> Self:  # noqa: D102
+        self.check_parameters()
         self.quantiles_ = np.quantile(features, np.linspace(0, 1, self.n_quantiles), axis=0)
         return self
 
@@ -88,23 +102,3 @@ class QuantileScaling(Scaling):
         # A value that is a quantile, perhaps several, gets the middle of its plateau.
         place = np.where(up_to > below, (below + up_to - 1) / 2, between)
         return np.asarray(2 * place / last - 1)
-
-
-SCALINGS: dict[str, type[Scaling]] = {
-    "range": RangeScaling,
-    "standard": StandardScaling,
-    "quantiles": QuantileScaling,
-}
-
-
-def scaling(name: str) -> Scaling:
-    """Return an unfitted scaling by name.
-
-    Raises
-    ------
-    UsageError
-        If there is none of that name.
-    """
-    if name not in SCALINGS:
-        raise UsageError(f"unknown scaling '{name}'; {choices(name, SCALINGS)}, or null for none")
-    return SCALINGS[name]()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import combinations
 from typing import Any, ClassVar
 
@@ -48,6 +48,9 @@ class Layout(ABC):
     name: ClassVar[str]
 
     def __post_init__(self) -> None:
+        for name, value in self.get_params().items():
+            if isinstance(value, list):  # as configs and model folders have them
+                object.__setattr__(self, name, tuple(value))
         if len(self.classes) < 2:
             raise UsageError(
                 f"a layout needs two classes or more, got {list(self.classes)}: "
@@ -101,9 +104,9 @@ class Layout(ABC):
         labels = np.asarray(self.classes, dtype=np.str_)[ranking[:, 0]]
         return Decision(labels, self.confidence(values, ranking), ranking)
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the layout as plain data; :func:`layout_from_json` reads it back."""
-        return {"layout": self.name, "classes": list(self.classes)}
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """Return the fields by name, as of every component."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
 
 @dataclass(frozen=True)
@@ -206,9 +209,6 @@ class DecisionList(_ColumnPerClass):
         margins = np.where(number == at, asked, np.where(number < at, -asked, np.inf))
         return np.asarray(margins.min(axis=1))
 
-    def to_json(self) -> dict[str, Any]:  # noqa: D102
-        return {**super().to_json(), "order": list(self.order)}
-
 
 @dataclass(frozen=True)
 class OneAgainstOne(Layout):
@@ -259,27 +259,6 @@ class OneAgainstOne(Layout):
         won = np.take_along_axis(margins, ranking[:, :1, None], axis=1)[:, 0]
         np.put_along_axis(won, ranking[:, :1], np.inf, axis=1)
         return np.asarray(won.min(axis=1))
-
-
-LAYOUTS: dict[str, type[Layout]] = {
-    kind.name: kind
-    for kind in (OneAgainstOne, OneAgainstAll, ModifiedOneAgainstAll, Probabilities, DecisionList)
-}
-
-
-def layout_from_json(data: dict[str, Any]) -> Layout:
-    """Build a layout from what :meth:`Layout.to_json` gave.
-
-    Raises
-    ------
-    DataError
-        If the layout is not one that this version knows.
-    """
-    fields = dict(data)
-    name = str(fields.pop("layout", None))
-    if name not in LAYOUTS:
-        raise DataError(f"unknown score layout '{name}'; known: {', '.join(sorted(LAYOUTS))}")
-    return LAYOUTS[name](**{key: tuple(value) for key, value in fields.items()})
 
 
 @dataclass(frozen=True, slots=True)

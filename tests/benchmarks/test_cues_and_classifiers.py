@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from placecue import Blocks
 from placecue.learning.samples import CueSamples
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
@@ -94,7 +95,7 @@ def test_looked_up_kernels_and_one_search_for_all_extensions_change_no_result(fo
     fold = folds.Fold(CueSamples(features), labels, stamps, training, held_out, {})
     search = {"C": [1, 10], "gamma": [0.3, 1.0, 3.0]}
     for extension in ("oaa", "modified_oaa", "oao"):
-        blocks = {"scheme": "blocks", "n_folds": 3}
+        blocks = Blocks(n_folds=3)
         svm = SVM(kernel=Chi2(), multiclass=extension, search=search, folds=blocks)
         told = fold.outcome(svm, extension)
         svm.fit(features[training], labels[training], stamps[training])

@@ -1,5 +1,6 @@
 """AdaBoost agrees with scikit-learn's on two classes, and its list with METHODS section 4."""
 
+import json
 from itertools import pairwise
 
 import numpy as np
@@ -12,12 +13,15 @@ from sklearn.metrics import balanced_accuracy_score
 from sklearn.utils.validation import check_is_fitted
 
 from placecue import DataError, Probabilities, Scores, UsageError
-from placecue.scores import DecisionList, layout_from_json
+from placecue.components.build import build, describe
+from placecue.components.manager import load_plugins
+from placecue.scores import DecisionList
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.stumps import SortedFeatures
 
 Blobs = tuple[np.ndarray, np.ndarray]
 CLASSES = ("corridor", "kitchen", "office", "printer")
+REGISTRY = load_plugins(built_ins_only=True).registry
 NAMES5 = ("corridor", "kitchen", "lab", "office", "printer")
 
 
@@ -222,6 +226,6 @@ def test_a_list_takes_the_first_that_accepts() -> None:
 
 def test_a_list_survives_json_and_must_be_whole() -> None:
     layout = DecisionList(CLASSES, ("office", "corridor", "printer", "kitchen"))
-    assert layout_from_json(layout.to_json()) == layout
+    assert build(json.loads(json.dumps(describe(layout, REGISTRY))), "layout", REGISTRY) == layout
     with pytest.raises(UsageError, match="names each of its classes"):
         DecisionList(CLASSES, ("office", "corridor", "printer"))

@@ -25,7 +25,7 @@ def values(pipeline: Pipeline) -> np.ndarray:
 
 
 def test_picked_on_a_second_log(tmp_path: Path, log_a: Path, log_b: Path) -> None:
-    second = [f"{LASER}.folds.scheme=by_log", f"+{LASER}.folds.only_last=true"]
+    second = [f"folds@{LASER}.folds=by_log", f"{LASER}.folds.only_last=true"]
     words = [*ALONE, *second, f"{LASER}.refit=false", f"{LASER}.scaling=null"]
     succeeds("train", *words, f"log=[{log_a},{log_b}]", f"out={tmp_path / 'm'}")
     model = load_model(tmp_path / "m", REGISTRY)
@@ -41,9 +41,9 @@ def test_picked_on_a_second_log(tmp_path: Path, log_a: Path, log_b: Path) -> Non
 
 def test_one_log_has_no_second_one(tmp_path: Path, log_a: Path) -> None:
     words = [*ALONE, f"log={log_a}", f"out={tmp_path / 'm'}"]
-    told = placecue("train", *words, f"{LASER}.folds.scheme=by_log")
+    told = placecue("train", *words, f"{LASER}.folds=by_log")
     assert told.status == 1
-    assert told.line.startswith("the fold scheme by_log needs two logs or more")
+    assert told.line.startswith("folds by_log need two logs or more")
     told = placecue("train", *words, f"{LASER}.refit=false")
     assert told.status == 2
     assert "refit=false needs folds that hold out samples once" in told.line

@@ -1,46 +1,10 @@
 """A package installed by pip, plainly and editable, in an environment of its own."""
 
-import os
-import shutil
 import subprocess
 import sys
-import sysconfig
-import venv
 from pathlib import Path
 
-import pytest
-
-PACKAGE = Path(__file__).parents[1] / "data" / "placecue-thirdparty"
-
-
-@pytest.fixture(scope="module", params=["plain", "editable"])
-def python(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An environment that sees placecue, with the package installed one way."""
-    folder = tmp_path_factory.mktemp(request.param)
-    source = folder / "package"
-    shutil.copytree(PACKAGE, source)
-    venv.create(folder / "env", with_pip=True)
-    executable = folder / "env" / "bin" / "python"
-    [site] = (folder / "env" / "lib").glob("python*/site-packages")
-    here = sysconfig.get_paths()["purelib"]
-    (site / "placecue_under_test.pth").write_text(f"import site; site.addsitedir({here!r})\n")
-    how = ["--editable"] if request.param == "editable" else []
-    install = [executable, "-m", "pip", "install", "--no-deps", "--no-build-isolation", "-q"]
-    subprocess.run([*install, *how, source], check=True, capture_output=True, timeout=120)
-    if request.param == "plain":
-        shutil.rmtree(source)
-    return executable
-
-
-def placecue(python: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [python, "-m", "placecue", *words],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        env={**os.environ, **environment},
-        check=False,
-    )
+from command_line import installed as placecue
 
 
 def test_its_components_are_listed_with_distribution_and_version(python: Path) -> None:

@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
+from sklearn.base import clone
 
-from placecue import Blocks, DataError, InterleavedChunks, UsageError
-from placecue.folds import FOLD_SCHEMES, ByLog, FoldScheme, Shuffled, fold_scheme
+from placecue import (
+    Blocks,
+    ByLog,
+    DataError,
+    FoldScheme,
+    InterleavedChunks,
+    Shuffled,
+    UsageError,
+)
 
 SECOND = 1_000_000_000
 
@@ -82,7 +91,7 @@ def test_by_log_trains_on_the_first_and_tests_on_the_second() -> None:
 
 
 def test_by_log_needs_two_logs() -> None:
-    with pytest.raises(DataError, match="needs two logs or more, and the 20 samples look like one"):
+    with pytest.raises(DataError, match="need two logs or more, and the 20 samples look like one"):
         list(ByLog().split(*(each[:20] for each in three_logs())))
 
 
@@ -119,42 +128,45 @@ def test_samples_without_time_between_them_are_still_cut() -> None:
         assert np.bincount(fold).tolist() == [8] * 5
 
 
-def test_a_plugin_brings_a_scheme(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Alternating(FoldScheme):
-        def assign(self, labels, stamps=None):  # type: ignore[no-untyped-def]
-            return np.arange(len(labels)) % self.n_folds
+def test_by_log_begins_another_log_where_the_group_changes() -> None:
+    # Two logs recorded one right after the other: neither time nor silence tells them apart.
+    labels = np.tile(np.repeat(["a", "b", "c", "d"], 5), 2)
+    stamps = np.arange(40) * SECOND // 5
+    groups = np.repeat([7, 3], 20)
+    with pytest.raises(DataError, match="look like one"):
+        list(ByLog().split(labels, stamps))
+    held_out = [h.tolist() for _, h in ByLog().split(labels, stamps, groups)]
+    assert held_out == [list(range(20)), list(range(20, 40))]
+    # Time still tells, within a group as well.
+    assert len(list(ByLog().split(*three_logs(), np.zeros(60, dtype=int)))) == 3
 
-    monkeypatch.setitem(FOLD_SCHEMES, "alternating", Alternating)
+
+class Alternating(FoldScheme):
+    """One's own scheme, as a plugin would bring it."""
+
+    def assign(
+        self, labels: ArrayLike, stamps: ArrayLike | None = None, groups: ArrayLike | None = None
+    ) -> np.ndarray:
+        return np.arange(len(np.asarray(labels))) % self.n_folds
+
+
+def test_one_s_own_scheme_needs_to_say_no_more_than_which_fold() -> None:
     labels = np.repeat(["a", "b", "c", "d"], 4)
-    for scheme in (
-        fold_scheme({"scheme": "alternating", "n_folds": 2}),
-        fold_scheme({"scheme": "alternating", "n_folds": 2}),
-    ):
-        held_out = [each.tolist() for _, each in scheme.split(labels)]
-        assert held_out == [list(range(0, 16, 2)), list(range(1, 16, 2))]
-
-
-def test_a_scheme_by_name() -> None:
-    assert fold_scheme(None) == InterleavedChunks()
-    assert fold_scheme({"n_folds": 3}) == InterleavedChunks(n_folds=3)
-    assert fold_scheme({"scheme": "by_log", "gap": 5.0}) == ByLog(gap=5.0)
-    assert fold_scheme({"scheme": "shuffled", "seed": 4}) == Shuffled(seed=4)
+    held_out = [each.tolist() for _, each in Alternating(n_folds=2).split(labels)]
+    assert held_out == [list(range(0, 16, 2)), list(range(1, 16, 2))]
+    assert clone(Alternating(n_folds=2)).get_params() == {"n_folds": 2}
 
 
 @pytest.mark.parametrize(
-    ("config", "message"),
+    ("scheme", "message"),
     [
-        ({"scheme": "block"}, "did you mean 'blocks'"),
-        ({"scheme": "blocks", "seconds": 2}, "has no parameter 'seconds'"),
-        ({"n_folds": 1}, "n_folds must be 2 or more, got 1"),
-        ({"n_folds": "many"}, "n_folds must be a whole number, got 'many'"),
-        ({"seconds": "2 s"}, "seconds must be a number, got '2 s'"),
-        ({"scheme": "by_log", "only_last": 1}, "only_last must be true or false, got 1"),
-        ({"seconds": 0}, "seconds must be above 0"),
-        ({"scheme": "by_log", "gap": -1}, "gap must be above 0"),
-        ("blocks", "must be a mapping"),
+        (Blocks(n_folds=1), r"folds\.n_folds must be 2 or more, got 1"),
+        (Shuffled(n_folds=2.5), r"folds\.n_folds must be 2 or more, got 2.5"),  # type: ignore[arg-type]
+        (InterleavedChunks(seconds=0), r"folds\.seconds must be above 0, got 0"),
+        (InterleavedChunks(n_folds=0), r"folds\.n_folds must be 2 or more, got 0"),
+        (ByLog(gap=-1), r"folds\.gap must be above 0, got -1"),
     ],
 )
-def test_wrong_configs_are_named(config: object, message: str) -> None:
+def test_wrong_parameters_are_named_when_they_are_used(scheme: FoldScheme, message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        fold_scheme(config)  # type: ignore[arg-type]
+        list(scheme.split(*three_logs()))

@@ -1,5 +1,7 @@
 """Layouts decide as METHODS defines; every case has four classes or more."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,9 +17,11 @@ from placecue import (
     Scores,
     UsageError,
 )
-from placecue.scores import layout_from_json
+from placecue.components.build import build, describe
+from placecue.components.manager import load_plugins
 
 CLASSES = ("corridor", "kitchen", "office", "printer")
+REGISTRY = load_plugins(built_ins_only=True).registry
 
 
 def test_one_against_all_takes_the_largest_and_the_lead_over_the_runner_up() -> None:
@@ -105,7 +109,8 @@ def test_every_rule_ranks_every_class_once(values: np.ndarray) -> None:
     ],
 )
 def test_layouts_survive_json(layout: OneAgainstAll) -> None:
-    assert layout_from_json(layout.to_json()) == layout
+    spec = json.loads(json.dumps(describe(layout, REGISTRY)))
+    assert build(spec, "layout", REGISTRY) == layout
 
 
 def test_wrong_scores_are_refused_in_one_line() -> None:
@@ -115,5 +120,5 @@ def test_wrong_scores_are_refused_in_one_line() -> None:
         OneAgainstAll(CLASSES).decide(np.array([[np.nan, 0, 0, 0]]))
     with pytest.raises(UsageError, match="two classes"):
         OneAgainstAll(("office",))
-    with pytest.raises(DataError, match="known: "):
-        layout_from_json({"layout": "ranks", "classes": ["a", "b"]})
+    with pytest.raises(UsageError, match="unknown layout 'ranks'; available: decision_list"):
+        build({"plugin": "ranks", "classes": ["a", "b"]}, "layout", REGISTRY)

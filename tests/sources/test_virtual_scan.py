@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from placecue.depth import Intrinsics, low_percentile, virtual_scan
 from placecue.errors import UnusableObservation
 from placecue.observation import Pose2D
-from placecue.virtual_scan import Intrinsics, low_percentile, virtual_scan
 
 WIDTH, HEIGHT = 640, 480
 KINECT = Intrinsics(fx=525.0, cx=319.5, cy=239.5)

@@ -96,6 +96,8 @@ def test_the_manifest_says_what_the_model_is_made_of(folder: Path) -> None:
         ("classifier", "svm"),
         ("kernel", "rbf"),
         ("integrator", "svm_das"),
+        ("scaling", "range"),
+        ("folds", "interleaved"),
     }
     assert made_of["cue", "beams"]["distribution"] == "toys"
     config = yaml.safe_load((folder / "config.yaml").read_text())

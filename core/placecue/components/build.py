@@ -5,8 +5,10 @@ A component in a config is a mapping with the name it is registered under, and i
     plugin: svm
     C: 10
     kernel: {plugin: chi2, gamma: 2.0}
+    scaling: quantiles
 
-A parameter that is itself such a mapping, or a list of them, is built first and handed in.
+A parameter that is itself such a mapping is built first and handed in, also inside lists and
+mappings; where the parameter can only be a component, its bare name stands for the mapping.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from placecue.components.hooks import KINDS, Kind
+from placecue.components.hooks import Kind
+from placecue.components.nesting import SEARCH, visited_parameters
 from placecue.components.parameter_types import misfits
 from placecue.components.registry import Registry
 from placecue.errors import PlacecueError, PluginError, UsageError, choices, told
@@ -35,8 +38,8 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
 
     Parameters
     ----------
-    spec : mapping
-        ``plugin`` and parameters; OmegaConf or plain.
+    spec : mapping or str
+        ``plugin`` and parameters, OmegaConf or plain; or the bare name.
     kind : str
         What is wanted.
     registry : Registry
@@ -54,31 +57,77 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
     UsageError
         If the name or a parameter is unknown, or a value is refused.
     """
-    spec = plain(spec)
     where = where or kind
+    name, parameters = named(spec, kind, registry, where)
+    factory = registry.load(kind, name)
+    return construct(factory, parameters, registry, where, f"{where}: {kind} '{name}'")
+
+
+def named(spec: Any, kind: Kind, registry: Registry, where: str) -> tuple[str, dict[str, Any]]:
+    """Take a component's config apart into its name and its parameters.
+
+    Raises
+    ------
+    UsageError
+        If it is no such config.
+    """
+    spec = plain(spec)
+    if isinstance(spec, str):
+        return spec, {}
     if not isinstance(spec, Mapping) or "plugin" not in spec:
         raise UsageError(
             f"{where} must be a mapping with 'plugin' and parameters, got {spec!r}; "
             f"{choices('', registry.names(kind))}"
         )
     parameters = dict(spec)
-    name = str(parameters.pop("plugin"))
-    factory = registry.load(kind, name)
-    _check_parameters(parameters, factory, kind, name, where)
-    built = {
-        key: _built(value, key, registry, f"{where}.{key}") for key, value in parameters.items()
-    }
+    return str(parameters.pop("plugin")), parameters
+
+
+def construct(
+    factory: Any, parameters: Mapping[str, Any], registry: Registry, where: str, what: str = ""
+) -> Any:
+    """Build what a factory makes of parameters, the components in them built first.
+
+    Parameters
+    ----------
+    factory : class
+        What is built.
+    parameters : mapping
+        Its parameters, plain. In ``search``, what is null is not searched.
+    registry : Registry
+        Builds the components in them.
+    where : str
+        Where in the config it stands, for messages.
+    what : str
+        How messages begin; by default with where it stands.
+
+    Raises
+    ------
+    UsageError
+        If a parameter is unknown, or a value is refused.
+    """
+    what = what or where
+    _check_names(parameters, factory, what)
+    built = visited_parameters(
+        _without_unsearched(parameters),
+        factory,
+        registry,
+        where,
+        lambda spec, kind, place: build(spec, kind, registry, place),
+    )
     wrong = misfits(built, factory)
     if wrong:
-        raise UsageError(f"{where}: {kind} '{name}': {'; '.join(wrong)}")
+        raise UsageError(f"{what}: {'; '.join(wrong)}")
     try:
-        return factory(**built)
+        made = factory(**built)
+        getattr(made, "check_parameters", lambda: None)()
     except PlacecueError:
         raise
     except (TypeError, ValueError) as error:
-        raise UsageError(f"{where}: {kind} '{name}' refused its parameters: {error}") from error
+        raise UsageError(f"{what} refused its parameters: {error}") from error
     except (Exception, SystemExit) as error:
-        raise PluginError(f"{where}: {kind} '{name}' cannot be made: {told(error)}") from error
+        raise PluginError(f"{what} cannot be made: {told(error)}") from error
+    return made
 
 
 def describe(component: Any, registry: Registry) -> dict[str, Any]:
@@ -106,67 +155,30 @@ def parameters_of(factory: Any) -> dict[str, inspect.Parameter]:
     return dict(inspect.signature(factory).parameters)
 
 
-def is_component(value: Any) -> bool:
-    """Tell whether a config value is a component."""
-    return isinstance(value, Mapping) and "plugin" in value
-
-
-def nested(value: Any) -> list[Mapping[str, Any]]:
-    """Return the components in a config value: one, those of a list, or none."""
-    if is_component(value):
-        return [value]
-    if isinstance(value, (list, tuple)) and all(map(is_component, value)):
-        return list(value)
-    return []
-
-
-def kind_of_parameter(parameter: str, spec: Mapping[str, Any], registry: Registry) -> Kind:
-    """Tell what kind a nested component is of: by the parameter's name, else by its own.
-
-    A list of components may stand under the plural, such as ``kernels``.
-    """
-    for kind in KINDS:
-        if parameter in (kind, f"{kind}s"):
-            return kind
-    name = str(spec["plugin"])
-    kinds = registry.kinds_of(name)
-    if len(kinds) == 1:
-        return kinds[0]
-    known = f"it is a {' and a '.join(kinds)}" if kinds else "no component has that name"
-    raise UsageError(
-        f"cannot tell what kind of component '{name}' of parameter '{parameter}' is: {known}"
-    )
-
-
-def _built(value: Any, parameter: str, registry: Registry, where: str) -> Any:
-    """Return a parameter's value with its component, or list of components, built."""
-    components = [
-        build(each, kind_of_parameter(parameter, each, registry), registry, where)
-        for each in nested(value)
-    ]
-    if not components:
-        return value
-    return components[0] if is_component(value) else components
-
-
 def _described(value: Any, registry: Registry) -> Any:
-    """Return a parameter's value with its component, or list of components, as a config."""
+    """Return a parameter's value with every component in it as a config."""
     if hasattr(value, "get_params"):
         return describe(value, registry)
-    if isinstance(value, (list, tuple)) and any(hasattr(each, "get_params") for each in value):
-        return [_described(each, registry) for each in value]
+    if isinstance(value, Mapping):
+        return {key: _described(each, registry) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        items = [_described(each, registry) for each in value]
+        return items if any(a is not b for a, b in zip(items, value, strict=True)) else value
     return value
 
 
-def _check_parameters(
-    parameters: Mapping[str, Any], factory: Any, kind: Kind, name: str, where: str
-) -> None:
+def _without_unsearched(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters with what is null taken out of ``search``."""
+    found = dict(parameters)
+    if isinstance(found.get(SEARCH), Mapping):
+        found[SEARCH] = {n: tried for n, tried in found[SEARCH].items() if tried is not None}
+    return found
+
+
+def _check_names(parameters: Mapping[str, Any], factory: Any, what: str) -> None:
     known = parameters_of(factory)
     if any(each.kind is inspect.Parameter.VAR_KEYWORD for each in known.values()):
         return
     for parameter in parameters:
         if parameter not in known:
-            raise UsageError(
-                f"{where}: {kind} '{name}' has no parameter '{parameter}'; "
-                f"{choices(parameter, known)}"
-            )
+            raise UsageError(f"{what} has no parameter '{parameter}'; {choices(parameter, known)}")

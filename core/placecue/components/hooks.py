@@ -23,7 +23,19 @@ from typing import Any, Literal, get_args
 
 import pluggy
 
-Kind = Literal["cue", "kernel", "classifier", "integrator", "accumulator", "boundary", "source"]
+Kind = Literal[
+    "cue",
+    "kernel",
+    "classifier",
+    "integrator",
+    "accumulator",
+    "boundary",
+    "source",
+    "folds",
+    "scaling",
+    "layout",
+    "adapter",
+]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 PROJECT = "placecue"
 
@@ -37,8 +49,9 @@ class Component:
 
     Parameters
     ----------
-    kind : {"cue", "kernel", "classifier", "integrator", "accumulator", "boundary", "source"}
-        What it is.
+    kind : str
+        What it is: cue, kernel, classifier, integrator, accumulator, boundary, source, folds,
+        scaling, layout or adapter.
     name : str
         What a config calls it: ``plugin: NAME``.
     factory : str

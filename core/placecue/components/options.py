@@ -22,13 +22,18 @@ from omegaconf import DictConfig, OmegaConf
 
 from placecue.components.build import parameters_of
 from placecue.components.hooks import KINDS, Kind
+from placecue.components.kinds import admits_text, hints_of, holds_several, kind_named, kinds_in
 from placecue.components.manager import current_plugins
+from placecue.components.registry import Registry
 from placecue.errors import UsageError
 
 log = logging.getLogger(__name__)
 
 BUILT_IN_CONFIGS = "pkg://placecue_conf"
-DEFAULT_CLASSIFIER = {"plugin": "svm", "scaling": None, "kernel": {"plugin": "rbf"}}
+#: What a cue brings where nobody has written an option for it.
+DEFAULT_CLASSIFIER = "svm"
+#: The kinds that a config chooses among; of the others placecue takes what fits.
+OPTION_KINDS: tuple[Kind, ...] = tuple(k for k in KINDS if k not in ("layout", "adapter"))
 
 
 class PluginOptions(SearchPathPlugin):
@@ -43,7 +48,7 @@ class PluginOptions(SearchPathPlugin):
 class ComponentOptions(ConfigSource):
     """Options ``KIND/NAME`` made from the parameters of a component."""
 
-    groups: ClassVar[tuple[str, ...]] = KINDS
+    groups: ClassVar[tuple[str, ...]] = OPTION_KINDS
 
     @staticmethod
     def scheme() -> str:  # noqa: D102
@@ -57,13 +62,13 @@ class ComponentOptions(ConfigSource):
 
     def is_config(self, config_path: str) -> bool:  # noqa: D102
         kind, _, name = config_path.strip("/").removesuffix(".yaml").partition("/")
-        return kind in KINDS and name in current_plugins().registry.names(kind)
+        return kind in OPTION_KINDS and name in current_plugins().registry.names(kind)
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:  # noqa: D102
         kind = config_path.strip("/")
         if kind == "":
             return [] if results_filter is ObjectType.CONFIG else sorted(self.groups)
-        if kind not in KINDS or results_filter is ObjectType.GROUP:
+        if kind not in OPTION_KINDS or results_filter is ObjectType.GROUP:
             return []
         return current_plugins().registry.names(kind)
 
@@ -80,15 +85,28 @@ class ComponentOptions(ConfigSource):
 
 
 def default_option(kind: Kind, name: str) -> DictConfig:
-    """Make an option from a component's parameters: those without a default are ``???``."""
-    option: dict[str, Any] = {"plugin": name}
-    for parameter in parameters_of(current_plugins().registry.load(kind, name)).values():
+    """Make an option from a component's parameters: those without a default are ``???``.
+
+    A parameter that takes a component can be given as ``KIND@...PARAMETER=NAME``, as in options
+    that are written by hand; a cue brings a classifier.
+    """
+    registry = current_plugins().registry
+    factory = registry.load(kind, name)
+    defaults: list[Any] = ["_self_"]
+    option: dict[str, Any] = {"defaults": defaults, "plugin": name}
+    hints = hints_of(factory)
+    for parameter in parameters_of(factory).values():
         if parameter.kind in (inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL):
             continue
-        missing = parameter.default is inspect.Parameter.empty
-        option[parameter.name] = "???" if missing else parameter.default
-    if kind == "cue":
-        option["classifier"] = DEFAULT_CLASSIFIER
+        taken = _taken(parameter.name, hints.get(parameter.name))
+        given = None if taken is None else _name_of(parameter.default, taken, registry)
+        if taken is not None:
+            defaults.append({f"/{taken}@{parameter.name}": given})
+        if given is None:
+            missing = parameter.default is inspect.Parameter.empty
+            option[parameter.name] = "???" if missing else parameter.default
+    if kind == "cue" and "classifier" not in option:
+        defaults.append({"/classifier@classifier": DEFAULT_CLASSIFIER})
     try:
         return OmegaConf.create(option)
     except Exception as error:
@@ -96,6 +114,25 @@ def default_option(kind: Kind, name: str) -> DictConfig:
             f"{kind} '{name}' has a default that a config cannot hold, so it needs an option file "
             f"{kind}/{name}.yaml: {error}"
         ) from error
+
+
+def _taken(parameter: str, hint: Any) -> Kind | None:
+    """Return the kind of the one component that a parameter takes; None where it takes others."""
+    annotated = kinds_in(hint)
+    kind = next(iter(annotated)) if len(annotated) == 1 else kind_named(parameter)
+    several = kind is not None and (parameter not in KINDS and kind_named(parameter) == kind)
+    if kind not in OPTION_KINDS or several or holds_several(hint) or admits_text(hint):
+        return None
+    return kind
+
+
+def _name_of(default: Any, kind: Kind, registry: Registry) -> str | None:
+    """Return the option that gives a parameter's default, where that is a plain component."""
+    provided = registry.find(default) if hasattr(default, "get_params") else None
+    if provided is None or provided.component.kind != kind:
+        return None
+    own = {name: each.default for name, each in parameters_of(type(default)).items()}
+    return provided.component.name if default.get_params(deep=False) == own else None
 
 
 def register_with_hydra() -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Union, get_args, get_origin
+
+from placecue.components.kinds import hints_of, kind_of_class
 
 #: Annotations that can be judged, with words for one of them and for many.
 PLAIN: dict[Any, tuple[str, str]] = {
@@ -26,10 +28,7 @@ def misfits(parameters: Mapping[str, Any], factory: Any) -> list[str]:
     factory : class
         Whose constructor takes them; a parameter without an annotation takes everything.
     """
-    try:
-        hints = get_type_hints(factory.__init__)
-    except (AttributeError, NameError, TypeError):  # such as names imported for checkers only
-        return []
+    hints = hints_of(factory)
     return [
         f"{name} must be {in_words(hints[name])}, got {value!r}"
         for name, value in parameters.items()
@@ -60,14 +59,19 @@ def in_words(hint: Any, many: bool = False) -> str:
     inner = get_args(hint)
     if _is_union(hint):
         return " or ".join(in_words(each, many) for each in inner)
+    if hint is Any:
+        return "values" if many else "a value"
     if hint in PLAIN:
         return PLAIN[hint][many]
     if _is_a(hint, Mapping):
         return f"{'mappings' if many else 'a mapping'} of {in_words(inner[-1], many=True)}"
     if _is_a(hint, Sequence):
         return f"{'lists' if many else 'a list'} of {in_words(inner[0], many=True)}"
-    name = getattr(hint, "__name__", str(hint)).lower()
-    return f"{name}s" if many else f"a {name} such as {{plugin: NAME}}"
+    name = kind_of_class(hint) or getattr(hint, "__name__", str(hint)).lower()
+    if name.endswith("s"):  # folds
+        return name if many else f"{name} such as {{plugin: NAME}}"
+    article = "an" if name[0] in "aeiou" else "a"
+    return f"{name}s" if many else f"{article} {name} such as {{plugin: NAME}}"
 
 
 def _is_union(hint: Any) -> bool:

@@ -6,12 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from placecue.components.build import build, describe, kind_of_parameter, nested
+from placecue.components.build import build, construct, describe, named
 from placecue.components.hooks import Kind
-from placecue.components.parameter_types import misfits
+from placecue.components.nesting import visited_parameters
 from placecue.components.registry import Registry
-from placecue.errors import UsageError, choices
-from placecue.folds import FOLD_SCHEMES, fold_scheme
+from placecue.errors import UsageError
 from placecue.integrator import OnlyCue
 from placecue.learning.rejection import Unknown
 from placecue.pipeline import Pipeline
@@ -31,7 +30,7 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
     Raises
     ------
     UsageError
-        If a component, a parameter or the fold scheme is unknown, or a cue has no classifier.
+        If a component or a parameter is unknown, or a cue has no classifier.
     """
     cues = {}
     for name, spec in (composition.get("cues") or {}).items():
@@ -42,38 +41,18 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
             build(spec.get("classifier"), "classifier", registry, f"{where}.classifier"),
         )
     integrator = composition.get("integrator") or None
+    folds = composition.get("folds")
     return Pipeline(
         cues,
         None if integrator is None else build(integrator, "integrator", registry),
-        fold_scheme(composition.get("folds")),
-        build_unknown(composition.get("unknown")),
+        None if folds is None else build(folds, "folds", registry),
+        _unknown(composition.get("unknown"), registry),
     )
-
-
-def build_unknown(config: Mapping[str, Any] | None) -> Unknown | None:
-    """Build what asks for "unknown" from ``false_accept_rate``; None where that is null."""
-    if config is None:
-        return None
-    if not isinstance(config, Mapping):
-        raise UsageError(
-            f"unknown must be a mapping with 'false_accept_rate', or null, got {config!r}; such as "
-            "unknown.false_accept_rate=0.05"
-        )
-    known = Unknown.__dataclass_fields__
-    for parameter in config:
-        if parameter not in known:
-            raise UsageError(f"unknown has no parameter '{parameter}'; {choices(parameter, known)}")
-    given = {name: value for name, value in config.items() if value is not None}
-    wrong = misfits(given, Unknown)
-    if wrong:
-        raise UsageError(f"unknown: {'; '.join(wrong)}")
-    return Unknown(**given) if given else None
 
 
 def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
     """Return the config that builds a pipeline anew, the opposite of :func:`build_pipeline`."""
     integrator = pipeline.integrator
-    scheme = next(name for name, kind in FOLD_SCHEMES.items() if kind is type(pipeline.folds))
     return {
         "cues": {
             name: {
@@ -83,7 +62,7 @@ def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
             for name, model in pipeline.cues.items()
         },
         "integrator": None if isinstance(integrator, OnlyCue) else describe(integrator, registry),
-        "folds": {"scheme": scheme, **asdict(pipeline.folds)},
+        "folds": describe(pipeline.folds, registry),
         "unknown": None if pipeline.unknown is None else asdict(pipeline.unknown),
     }
 
@@ -91,16 +70,37 @@ def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:
 def components_of(composition: Mapping[str, Any], registry: Registry) -> Iterator[tuple[Kind, str]]:
     """Yield the kind and name of every component that a pipeline's config names."""
     for spec in composition["cues"].values():
-        yield from components_in(spec, "cue", registry)
+        cue = {key: value for key, value in spec.items() if key != "classifier"}
+        yield from components_in(cue, "cue", registry)
+        yield from components_in(spec["classifier"], "classifier", registry)
     if composition["integrator"]:
         yield from components_in(composition["integrator"], "integrator", registry)
+    yield from components_in(composition["folds"], "folds", registry)
 
 
-def components_in(
-    spec: Mapping[str, Any], kind: Kind, registry: Registry
-) -> Iterator[tuple[Kind, str]]:
-    """Yield the kind and name of a component and of every one inside it, from its config."""
-    yield kind, spec["plugin"]
-    for name, value in spec.items():
-        for each in nested(value):
-            yield from components_in(each, kind_of_parameter(name, each, registry), registry)
+def components_in(spec: Any, kind: Kind, registry: Registry) -> list[tuple[Kind, str]]:
+    """Return the kind and name of a component and of every one inside it, from its config."""
+    name, parameters = named(spec, kind, registry, kind)
+    found = [(kind, name)]
+    visited_parameters(
+        parameters,
+        registry.load(kind, name),
+        registry,
+        kind,
+        lambda inner, of_kind, _: found.extend(components_in(inner, of_kind, registry)),
+    )
+    return found
+
+
+def _unknown(config: Any, registry: Registry) -> Unknown | None:
+    """Build what asks for "unknown"; None where no rate is given."""
+    if config is None:
+        return None
+    if not isinstance(config, Mapping):
+        raise UsageError(
+            f"unknown must be a mapping with 'false_accept_rate', or null, got {config!r}; such as "
+            "unknown.false_accept_rate=0.05"
+        )
+    given = {name: value for name, value in config.items() if value is not None}
+    unknown: Unknown = construct(Unknown, given, registry, "unknown")
+    return unknown if given else None

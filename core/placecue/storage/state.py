@@ -1,8 +1,8 @@
 """What a component has learned, as JSON and arrays; never as code.
 
 Learned attributes are those whose names end in ``_``. They may be numbers, strings, lists,
-mappings, arrays, sparse matrices, descriptor sets, layouts, scalings, and other components. Names
-that begin with ``_`` are for what is worked out from these, and are not kept.
+mappings, arrays, sparse matrices, descriptor sets, layouts, and other components. Names that begin
+with ``_`` are for what is worked out from these, and are not kept.
 
 A component that can tell whether what it was given fits together may have a method
 ``check_learned()``, which raises ValueError where it does not; it is called after each reading.
@@ -23,8 +23,7 @@ from placecue.components.hooks import Kind
 from placecue.components.pipelines import components_in
 from placecue.components.registry import Registry
 from placecue.errors import DataError, UsageError
-from placecue.scaling import SCALINGS, Scaling
-from placecue.scores import Layout, layout_from_json
+from placecue.scores import Layout
 from placecue.storage.arrays import KINDS, from_parts, parts_of
 
 Arrays = dict[str, NDArray[Any]]
@@ -101,12 +100,7 @@ class Encoder:
                 )
             items_of = {k: self.encode(v, f"{where}.{k}") for k, v in value.items()}
             return {"@": "mapping", "items": items_of}
-        if isinstance(value, Layout):
-            return {"@": "layout", "value": value.to_json()}
-        if isinstance(value, Scaling):
-            name = next(name for name, kind in SCALINGS.items() if kind is type(value))
-            return {"@": "scaling", "name": name, "state": self.state(value, where)}
-        if isinstance(value, BaseEstimator):
+        if isinstance(value, (BaseEstimator, Layout)):
             return self._component(value, where)
         return self._array(value, where)
 
@@ -199,12 +193,6 @@ class Decoder:
         if kind == "mapping":
             items = _a(dict, value["items"], kind)
             return {key: self.decode(item) for key, item in items.items()}
-        if kind == "layout":
-            return layout_from_json(value["value"])
-        if kind == "scaling":
-            scaling = SCALINGS[value["name"]]()
-            self.restore(scaling, value["state"])
-            return scaling
         if kind == "component":
             return self.component(value["spec"], value["kind"], value["state"])
         return self._array(kind, value)

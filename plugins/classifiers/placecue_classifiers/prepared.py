@@ -129,6 +129,8 @@ def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling |
     """
     if scaling is None:
         return None
+    if not isinstance(scaling, Scaling):
+        raise UsageError(f"scaling must be a Scaling, such as QuantileScaling(), got {scaling!r}")
     if kind_of(features) is not FeatureKind.DENSE:
         raise WrongKind(
             f"scaling {type(scaling).__name__} takes dense vectors, got {kind_of(features)}: "

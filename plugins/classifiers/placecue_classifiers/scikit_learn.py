@@ -14,6 +14,7 @@ from placecue import estimators
 from placecue.classifier import Classifier, UnfitSamples, wrong_kind
 from placecue.errors import UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of
+from placecue.scaling import Scaling
 from placecue.scores import OneAgainstAll, Probabilities, Scores
 from placecue_classifiers.prepared import fitted_scaling
 
@@ -41,7 +42,7 @@ class ScikitLearn(Classifier):
         ``estimator`` and ``params``.
     random_state : int
         For every random state that ``params`` leaves open.
-    scaling : {"range", "standard", "quantiles"} or None
+    scaling : Scaling, optional
         Scaling of dense features, learned on the training samples.
 
     Attributes
@@ -63,7 +64,7 @@ class ScikitLearn(Classifier):
         estimator: str = "sklearn.ensemble.RandomForestClassifier",
         params: Mapping[str, Any] | None = None,
         random_state: int = 0,
-        scaling: str | None = None,
+        scaling: Scaling | None = None,
     ) -> None:
         self.estimator = estimator
         self.params = params

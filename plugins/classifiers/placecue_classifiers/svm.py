@@ -320,12 +320,12 @@ class SVM(Classifier):
         check_class_weight(self.class_weight)
         if self.kernel is None:
             raise UsageError("an SVM needs a kernel, such as kernel={plugin: rbf}")
-        if not isinstance(self.scaling, Scaling | None):
-            raise UsageError(
-                f"scaling must be a Scaling, such as RangeScaling(), or None, got {self.scaling!r}"
-            )
-        if not isinstance(self.folds, FoldScheme | None):
-            raise UsageError(f"folds must be a FoldScheme, such as Blocks(), got {self.folds!r}")
+        for name, kind in (("scaling", Scaling), ("folds", FoldScheme)):
+            given = getattr(self, name)
+            if given is not None and not isinstance(given, kind):
+                raise UsageError(f"{name} must be a {kind.__name__} or None, got {given!r}")
+        if self.folds is not None:
+            self.folds.check_parameters()
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
         if not (self.refit or self.search):

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from placecue.checks import check_choice, check_number, check_whole
+from placecue.depth import Intrinsics, virtual_scan
 from placecue.errors import UnusableObservation, UsageError
 from placecue.observation import LaserScan, Observation, Pose2D
 from placecue.source import Source
-from placecue.virtual_scan import Intrinsics, virtual_scan
 from placecue_sources.contents import digest_of
 from placecue_sources.rgbd_files import Faults, depth_image, picture
 from placecue_sources.rgbd_frames import (
@@ -78,7 +78,7 @@ class RGBD(Source):
 
     See Also
     --------
-    placecue.virtual_scan.virtual_scan : how the scan is cut.
+    placecue.depth.virtual_scan : how the scan is cut.
     """
 
     def __init__(

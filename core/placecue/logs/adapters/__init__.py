@@ -2,64 +2,56 @@
 
 from __future__ import annotations
 
-from placecue.logs.adapters.base import Adapter
-from placecue.logs.adapters.foxglove import (
-    FoxgloveCompressedImage,
-    FoxgloveFrameTransform,
-    FoxgloveFrameTransforms,
-    FoxgloveLaserScan,
-    FoxglovePoseInFrame,
-    FoxgloveRawImage,
-    PlacecueLabel,
+from placecue.components.hooks import Component, hookimpl
+
+
+@hookimpl
+def placecue_components() -> list[Component]:
+    """Return the components of this package."""
+    return [
+        *(_of_ros(*each) for each in ROS),
+        *(_of_foxglove(*each) for each in FOXGLOVE),
+        Component(
+            kind="adapter",
+            name="placecue_label",
+            factory="placecue.logs.adapters.foxglove:PlacecueLabel",
+            summary="placecue.Label as a label",
+        ),
+    ]
+
+
+#: Name, class, message and part, of ROS messages.
+ROS = (
+    ("compressed_image", "RosCompressedImage", "sensor_msgs/CompressedImage", "an image"),
+    ("image", "RosImage", "sensor_msgs/Image", "an image"),
+    ("laser_scan", "RosLaserScan", "sensor_msgs/LaserScan", "a scan"),
+    ("odometry", "RosOdometry", "nav_msgs/Odometry", "a pose"),
+    ("pose", "RosPoseStamped", "geometry_msgs/PoseStamped", "a pose"),
+    (
+        "pose_with_covariance",
+        "RosPoseWithCovarianceStamped",
+        "geometry_msgs/PoseWithCovarianceStamped",
+        "a pose",
+    ),
+    ("transforms", "RosTransforms", "tf2_msgs/TFMessage", "transforms"),
+    ("string", "RosString", "std_msgs/String", "a label"),
 )
-from placecue.logs.adapters.ros import (
-    RosCompressedImage,
-    RosImage,
-    RosLaserScan,
-    RosOdometry,
-    RosPoseStamped,
-    RosPoseWithCovarianceStamped,
-    RosString,
-    RosTransforms,
+#: The same of Foxglove's.
+FOXGLOVE = (
+    ("compressed_image", "FoxgloveCompressedImage", "foxglove.CompressedImage", "an image"),
+    ("raw_image", "FoxgloveRawImage", "foxglove.RawImage", "an image"),
+    ("laser_scan", "FoxgloveLaserScan", "foxglove.LaserScan", "a scan"),
+    ("pose", "FoxglovePoseInFrame", "foxglove.PoseInFrame", "a pose"),
+    ("transform", "FoxgloveFrameTransform", "foxglove.FrameTransform", "a transform"),
+    ("transforms", "FoxgloveFrameTransforms", "foxglove.FrameTransforms", "transforms"),
 )
 
-__all__ = ["ADAPTERS", "Adapter", "adapter_for"]
 
-ROS: dict[str, Adapter] = {
-    "sensor_msgs/CompressedImage": RosCompressedImage(),
-    "sensor_msgs/Image": RosImage(),
-    "sensor_msgs/LaserScan": RosLaserScan(),
-    "nav_msgs/Odometry": RosOdometry(),
-    "geometry_msgs/PoseStamped": RosPoseStamped(),
-    "geometry_msgs/PoseWithCovarianceStamped": RosPoseWithCovarianceStamped(),
-    "tf2_msgs/TFMessage": RosTransforms(),
-    "tf/tfMessage": RosTransforms(),
-    "std_msgs/String": RosString(),
-}
-FOXGLOVE: dict[str, Adapter] = {
-    "foxglove.CompressedImage": FoxgloveCompressedImage(),
-    "foxglove.RawImage": FoxgloveRawImage(),
-    "foxglove.LaserScan": FoxgloveLaserScan(),
-    "foxglove.PoseInFrame": FoxglovePoseInFrame(),
-    "foxglove.FrameTransform": FoxgloveFrameTransform(),
-    "foxglove.FrameTransforms": FoxgloveFrameTransforms(),
-}
-#: By message encoding and schema name (without the ``/msg`` of ROS 2).
-ADAPTERS: dict[tuple[str, str], Adapter] = {
-    **{(encoding, name): each for encoding in ("cdr", "ros1") for name, each in ROS.items()},
-    **{(encoding, name): e for encoding in ("json", "protobuf") for name, e in FOXGLOVE.items()},
-    ("json", "placecue.Label"): PlacecueLabel(),
-}
+def _of_ros(name: str, cls: str, message: str, part: str) -> Component:
+    factory = f"placecue.logs.adapters.ros:{cls}"
+    return Component("adapter", f"ros_{name}", factory, f"{message} as {part}")
 
 
-def adapter_for(encoding: str, schema: str) -> Adapter | None:
-    """Return the adapter for messages of a schema, or None.
-
-    Parameters
-    ----------
-    encoding : str
-        Message encoding of the channel.
-    schema : str
-        Name of its schema.
-    """
-    return ADAPTERS.get((encoding, schema.replace("/msg/", "/")))
+def _of_foxglove(name: str, cls: str, message: str, part: str) -> Component:
+    factory = f"placecue.logs.adapters.foxglove:{cls}"
+    return Component("adapter", f"foxglove_{name}", factory, f"{message} as {part}")

@@ -18,6 +18,10 @@ class Adapter(ABC):
 
     Attributes
     ----------
+    encodings : tuple of {"cdr", "ros1", "json", "protobuf"}
+        The message encodings of the channels that it reads.
+    schemas : tuple of str
+        The names of their schemas; those of ROS 2 without ``/msg``.
     role : {"image", "scan", "pose", "label", "transform"}
         What :meth:`value` gives: a callable that decodes an image, a LaserScan, a Pose2D, a str
         (empty: no label), a list of Transform.
@@ -25,6 +29,8 @@ class Adapter(ABC):
         Whether messages begin with a ROS header, so that the stamp can be read undecoded.
     """
 
+    encodings: ClassVar[tuple[str, ...]]
+    schemas: ClassVar[tuple[str, ...]]
     role: ClassVar[Role]
     header_first: ClassVar[bool] = False
 

@@ -14,9 +14,13 @@ from placecue.logs.messages.geometry import Transform, yaw
 from placecue.logs.messages.images import RawImage
 from placecue.observation import EncodedImage, LaserScan, Pose2D
 
+ENCODINGS = ("json", "protobuf")
+
 
 class FoxgloveAdapter(Adapter):
     """A message with ``timestamp`` and ``frame_id``."""
+
+    encodings: ClassVar[tuple[str, ...]] = ENCODINGS
 
     def stamp(self, message: Any) -> int:
         """Return the timestamp, ns."""
@@ -40,6 +44,7 @@ def content(data: str | bytes) -> bytes:
 class FoxgloveCompressedImage(FoxgloveAdapter):
     """foxglove.CompressedImage."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("foxglove.CompressedImage",)
     role: ClassVar[Role] = "image"
 
     def value(self, message: Any, origin: str) -> EncodedImage:
@@ -50,6 +55,7 @@ class FoxgloveCompressedImage(FoxgloveAdapter):
 class FoxgloveRawImage(FoxgloveAdapter):
     """foxglove.RawImage."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("foxglove.RawImage",)
     role: ClassVar[Role] = "image"
 
     def value(self, message: Any, origin: str) -> RawImage:
@@ -70,6 +76,7 @@ class FoxgloveLaserScan(FoxgloveAdapter):
     it in. Lengths that JSON cannot hold are null or the words NaN, Infinity, -Infinity.
     """
 
+    schemas: ClassVar[tuple[str, ...]] = ("foxglove.LaserScan",)
     role: ClassVar[Role] = "scan"
 
     def value(self, message: Any, origin: str) -> LaserScan:
@@ -95,6 +102,7 @@ class FoxgloveLaserScan(FoxgloveAdapter):
 class FoxglovePoseInFrame(FoxgloveAdapter):
     """foxglove.PoseInFrame."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("foxglove.PoseInFrame",)
     role: ClassVar[Role] = "pose"
 
     def value(self, message: Any, origin: str) -> Pose2D:
@@ -105,6 +113,7 @@ class FoxglovePoseInFrame(FoxgloveAdapter):
 class FoxgloveFrameTransform(FoxgloveAdapter):
     """foxglove.FrameTransform."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("foxglove.FrameTransform",)
     role: ClassVar[Role] = "transform"
 
     def value(self, message: Any, origin: str) -> list[Transform]:
@@ -115,6 +124,8 @@ class FoxgloveFrameTransform(FoxgloveAdapter):
 class FoxgloveFrameTransforms(Adapter):
     """foxglove.FrameTransforms."""
 
+    encodings: ClassVar[tuple[str, ...]] = ENCODINGS
+    schemas: ClassVar[tuple[str, ...]] = ("foxglove.FrameTransforms",)
     role: ClassVar[Role] = "transform"
 
     def stamp(self, message: Any) -> int:
@@ -130,6 +141,8 @@ class FoxgloveFrameTransforms(Adapter):
 class PlacecueLabel(Adapter):
     """placecue.Label: ``{"stamp": ns, "label": "office"}``, which holds until the next one."""
 
+    encodings: ClassVar[tuple[str, ...]] = ("json",)
+    schemas: ClassVar[tuple[str, ...]] = ("placecue.Label",)
     role: ClassVar[Role] = "label"
 
     def stamp(self, message: Any) -> int:

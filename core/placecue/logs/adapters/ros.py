@@ -9,6 +9,9 @@ from placecue.logs.messages.geometry import Transform, yaw
 from placecue.logs.messages.images import RawImage
 from placecue.observation import EncodedImage, LaserScan, Pose2D
 
+#: ROS 2 and ROS 1.
+ENCODINGS = ("cdr", "ros1")
+
 
 def stamp_of(header: Any) -> int:
     """Return the stamp of a header, ns."""
@@ -23,6 +26,7 @@ def frame_of(header: Any) -> str:
 class RosAdapter(Adapter):
     """A message that begins with a header."""
 
+    encodings: ClassVar[tuple[str, ...]] = ENCODINGS
     header_first = True
 
     def stamp(self, message: Any) -> int:
@@ -37,6 +41,7 @@ class RosAdapter(Adapter):
 class RosCompressedImage(RosAdapter):
     """sensor_msgs/CompressedImage."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("sensor_msgs/CompressedImage",)
     role: ClassVar[Role] = "image"
 
     def value(self, message: Any, origin: str) -> EncodedImage:
@@ -52,6 +57,7 @@ class RosCompressedImage(RosAdapter):
 class RosImage(RosAdapter):
     """sensor_msgs/Image."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("sensor_msgs/Image",)
     role: ClassVar[Role] = "image"
 
     def value(self, message: Any, origin: str) -> RawImage:
@@ -74,6 +80,7 @@ class RosImage(RosAdapter):
 class RosLaserScan(RosAdapter):
     """sensor_msgs/LaserScan. Ranges are float32 in the message."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("sensor_msgs/LaserScan",)
     role: ClassVar[Role] = "scan"
 
     def value(self, message: Any, origin: str) -> LaserScan:
@@ -93,6 +100,7 @@ class RosLaserScan(RosAdapter):
 class RosOdometry(RosAdapter):
     """nav_msgs/Odometry."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("nav_msgs/Odometry",)
     role: ClassVar[Role] = "pose"
 
     def value(self, message: Any, origin: str) -> Pose2D:
@@ -103,6 +111,7 @@ class RosOdometry(RosAdapter):
 class RosPoseStamped(RosAdapter):
     """geometry_msgs/PoseStamped."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("geometry_msgs/PoseStamped",)
     role: ClassVar[Role] = "pose"
 
     def value(self, message: Any, origin: str) -> Pose2D:
@@ -113,10 +122,14 @@ class RosPoseStamped(RosAdapter):
 class RosPoseWithCovarianceStamped(RosOdometry):
     """geometry_msgs/PoseWithCovarianceStamped, such as the pose that amcl publishes."""
 
+    schemas: ClassVar[tuple[str, ...]] = ("geometry_msgs/PoseWithCovarianceStamped",)
+
 
 class RosTransforms(Adapter):
     """tf2_msgs/TFMessage."""
 
+    encodings: ClassVar[tuple[str, ...]] = ENCODINGS
+    schemas: ClassVar[tuple[str, ...]] = ("tf2_msgs/TFMessage", "tf/tfMessage")
     role: ClassVar[Role] = "transform"
 
     def stamp(self, message: Any) -> int:
@@ -140,6 +153,8 @@ class RosTransforms(Adapter):
 class RosString(Adapter):
     """std_msgs/String, taken as the label from its log time on."""
 
+    encodings: ClassVar[tuple[str, ...]] = ENCODINGS
+    schemas: ClassVar[tuple[str, ...]] = ("std_msgs/String",)
     role: ClassVar[Role] = "label"
 
     def stamp(self, message: Any) -> int:

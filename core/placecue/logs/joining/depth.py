@@ -8,16 +8,17 @@ from functools import partial
 from itertools import takewhile
 from typing import Any
 
+from placecue.depth import Intrinsics, virtual_scan
 from placecue.errors import ContractError, DataError, UnusableObservation
 from placecue.guard import call
-from placecue.logs.adapters import adapter_for, contract
+from placecue.logs.adapters import contract
+from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.joining.items import TopicReader
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import decoder_for
 from placecue.logs.messages.geometry import Transform
 from placecue.logs.messages.images import DEPTH_FORMATS, RawImage
 from placecue.observation import LaserScan
-from placecue.virtual_scan import Intrinsics, virtual_scan
 
 CAMERA_INFO = "sensor_msgs/CameraInfo"
 CALIBRATION = "foxglove.CameraCalibration"

@@ -10,8 +10,9 @@ from mcap.records import Message
 from placecue import contracts
 from placecue.errors import ContractError, DataError, UnusableObservation
 from placecue.guard import call
-from placecue.logs.adapters import adapter_for, contract
+from placecue.logs.adapters import contract
 from placecue.logs.adapters.base import Role
+from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
 

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from placecue.errors import DataError, UsageError, choices
-from placecue.logs.adapters import adapter_for
+from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.mcap.container import Topic
 from placecue.observation import PARTS, Part
 

@@ -1,0 +1,53 @@
+"""Mappings that take keys which their option does not show, such as the values of a search.
+
+Hydra refuses a key that is not in the config unless it is forced with ``++``. Which parameters a
+component can search is for the component to say, so here that is done for the user.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from omegaconf import DictConfig
+
+from placecue.errors import UsageError, choices
+
+#: The component, and which of its mappings takes keys of its own.
+_KEY = re.compile(r"(?P<component>[\w.]+)\.(search|params)\.[^=\s]+=")
+
+
+def opened(overrides: Sequence[str]) -> list[str]:
+    """Return overrides that may add keys to ``search`` and ``params``, whatever is there."""
+    return [f"++{each}" if _KEY.match(each) else each for each in overrides]
+
+
+def check_opened(config: DictConfig, overrides: Sequence[str]) -> None:
+    """Check that what :func:`opened` forced belongs to a component.
+
+    Raises
+    ------
+    UsageError
+        If there is no component where an override puts a key of ``search`` or ``params``.
+    """
+    for override in overrides:
+        found = _KEY.match(override.removeprefix("++"))
+        if found is None:
+            continue
+        known = list(_components(config))
+        component = found["component"]
+        # The params of an estimator hold estimators with params of their own.
+        if not any(component == each or component.startswith(f"{each}.params.") for each in known):
+            raise UsageError(
+                f"{override.removeprefix('++')}: there is no component {component}; "
+                f"{choices(component, known)}"
+            )
+
+
+def _components(config: DictConfig, where: str = "") -> Iterator[str]:
+    for key, value in config.items_ex(resolve=False):
+        place = f"{where}{key!s}"
+        if isinstance(value, DictConfig) and not (value._is_none() or value._is_missing()):
+            if "plugin" in value:
+                yield place
+            yield from _components(value, f"{place}.")

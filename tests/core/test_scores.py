@@ -32,9 +32,9 @@ def test_one_against_all_takes_the_largest_and_the_lead_over_the_runner_up() -> 
 
 
 def test_modified_one_against_all_takes_the_nearest_mean() -> None:
-    layout = ModifiedOneAgainstAll(CLASSES, (1.0, 2.0, 0.0, 1.5))
     # Distances to the means: 1.9, 0.8, 0.1, 0.5. One-against-all would take the kitchen.
-    decision = Scores(np.array([[-0.9, 1.2, 0.1, 1.0]]), layout).decide()
+    centred = np.array([[-0.9, 1.2, 0.1, 1.0]]) - np.array([1.0, 2.0, 0.0, 1.5])
+    decision = Scores(centred, ModifiedOneAgainstAll(CLASSES)).decide()
     assert decision.labels[0] == "office"
     assert decision.confidence[0] == pytest.approx(0.5 - 0.1)
 
@@ -92,7 +92,7 @@ def test_every_rule_ranks_every_class_once(values: np.ndarray) -> None:
     for layout in (
         OneAgainstAll(CLASSES),
         Probabilities(CLASSES),
-        ModifiedOneAgainstAll(CLASSES, (0.0, 1.0, -1.0, 2.0)),
+        ModifiedOneAgainstAll(CLASSES),
     ):
         decision = layout.decide(values)
         assert (np.sort(decision.ranking, axis=1) == np.arange(4)).all()
@@ -105,7 +105,7 @@ def test_every_rule_ranks_every_class_once(values: np.ndarray) -> None:
         OneAgainstAll(CLASSES),
         OneAgainstOne(CLASSES),
         Probabilities(CLASSES),
-        ModifiedOneAgainstAll(CLASSES, (0.1, 0.2, 0.3, 0.4)),
+        ModifiedOneAgainstAll(CLASSES),
     ],
 )
 def test_layouts_survive_json(layout: OneAgainstAll) -> None:

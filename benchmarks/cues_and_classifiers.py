@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -37,7 +38,7 @@ from placecue.components.options import register_with_hydra
 from placecue.components.pipelines import build_pipeline
 from placecue.errors import PlacecueError
 from placecue.folds import FoldScheme, Rows
-from placecue.learning.samples import CueSamples
+from placecue.training_set import TrainingSet
 
 PAGE = Path(__file__).parents[1] / "docs" / "cues_and_classifiers.md"
 REGISTRY = load_plugins(built_ins_only=True).registry
@@ -54,7 +55,8 @@ def config_of(overrides: Sequence[str]) -> Config:
 
 def components(config: Config) -> tuple[Cue, Classifier]:
     """Build the only cue of a config, and its classifier."""
-    return next(iter(build_pipeline(config, REGISTRY).cues.values()))
+    model = next(iter(build_pipeline(config, REGISTRY).cues.values()))
+    return model.cue, model.classifier
 
 
 class Log:
@@ -81,10 +83,14 @@ class Log:
         """Yield copies of observations, so that decoded images are not kept."""
         return (self.observations[row].relabelled(self.observations[row].label) for row in rows)
 
-    def samples(self, cue: Cue, rows: Sequence[int]) -> CueSamples:
-        """Return the features of observations, and of their altered copies for training."""
-        altered = [cue.transform(map(alter, self.fresh(rows))) for alter in cue.alterations()]
-        return CueSamples(cue.transform(self.fresh(rows)), tuple(altered))
+    def samples(self, cue: Cue, rows: Sequence[int]) -> TrainingSet:
+        """Return the features of observations, and of their augmented copies for training."""
+        copies = [cue.transform(map(augment, self.fresh(rows))) for augment in cue.augmentations()]
+        recorded = cue.transform(self.fresh(rows))
+        which = np.asarray(rows)
+        return TrainingSet(
+            recorded, self.labels[which], self.stamps[which], augmented=tuple(copies)
+        )
 
 
 class LearnedFeatures:
@@ -100,14 +106,14 @@ class LearnedFeatures:
 
     def __init__(self, log: Log, cue: Cue, rows: Rows) -> None:
         self.log, self.cue, self.rows = log, cue, rows
-        self.known: dict[bytes, CueSamples] = {}
+        self.known: dict[bytes, TrainingSet] = {}
 
-    def __call__(self, learned_from: Rows) -> CueSamples:
+    def __call__(self, learned_from: Rows) -> TrainingSet:
         """Return the features by a copy that has learned from the given ones of the rows."""
         key = learned_from.tobytes()
         if key not in self.known:
             copy: Cue = clone(self.cue).fit(self.log.fresh(self.rows[learned_from]))
-            self.known[key] = self.log.samples(copy, self.rows)
+            self.known[key] = replace(self.log.samples(copy, self.rows), relearn=self)
         return self.known[key]
 
 
@@ -129,7 +135,7 @@ class Bench:
 
     def run(self, row: Row, columns: Sequence[str]) -> None:
         """Run those of the given columns that a row has."""
-        self.samples: CueSamples | None = None
+        self.samples: TrainingSet | None = None
         self.grams: dict[str, Grams] = {}
         for test, of_test in row.columns.items():
             cells = {
@@ -168,14 +174,11 @@ class Bench:
         training, held_out = list(scheme.split(log.labels[rows], log.stamps[rows]))[number]
         cue, truth = components(config)[0], log.labels[rows[held_out]]
         if cue.learns:
-            learned = LearnedFeatures(log, cue, rows)
-            told = log.labels[rows], log.stamps[rows]
-            fold = Fold(learned(training), *told, training, held_out, {}, learned)
+            fold = Fold(LearnedFeatures(log, cue, rows)(training), training, held_out, {})
         else:
             if self.samples is None:
                 self.samples = log.samples(cue, range(len(log.labels)))
-            places = rows[training], rows[held_out]
-            fold = Fold(self.samples, log.labels, log.stamps, *places, self.grams)
+            fold = Fold(self.samples, rows[training], rows[held_out], self.grams)
         return fold, truth
 
     def _log(self, part: str, config: Config) -> Log:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 from cues_and_classifiers_plan import EXTENSIONS
-from numpy.typing import NDArray
-from placecue.learning.training import train
 from sklearn.base import clone
 
 from placecue.classifier import Classifier
 from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
 from placecue.folds import Rows
 from placecue.kernel import DistanceKernel, Gram
-from placecue.learning.samples import CueSamples, LearnedFrom
+from placecue.training_set import TrainingSet
 from placecue_classifiers.search import SCORE, best_of
 from placecue_classifiers.svm import SVM
 
@@ -57,24 +55,18 @@ class Fold:
 
     Parameters
     ----------
-    samples : CueSamples
-        Features of n samples by one cue.
-    labels, stamps : ndarray, shape (n,)
+    samples : TrainingSet
+        n samples by one cue, which has learned from those to learn from.
     training, held_out : ndarray of int64
         Which of them to learn from and to tell.
     grams : dict of str to Grams
         By the kernel's name, for kernels that learn nothing; folds of the same samples share it.
-    learned_from : callable, optional
-        Of a cue that learns: what gives the features by a copy that has learned from given rows.
     """
 
-    samples: CueSamples
-    labels: NDArray[np.str_]
-    stamps: NDArray[np.int64]
+    samples: TrainingSet
     training: Rows
     held_out: Rows
     grams: dict[str, Grams]
-    learned_from: LearnedFrom | None = None
     found: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def outcome(self, classifier: Classifier, column: str) -> dict[str, Any]:
@@ -84,29 +76,29 @@ class Fold:
             classifier, samples = self._looked_up(classifier)
             told = self._search(classifier, samples, column)
             classifier = classifier.with_setting(told["chosen"]).set_params(search=None)
-        train(classifier, samples, self.labels, self.stamps, self.training, self.learned_from)
+        classifier.train(samples.take(self.training))
         predicted = classifier.scores(take(samples.features, self.held_out)).decide().labels
         return {"predicted": np.asarray(predicted).tolist(), **told}
 
-    def _looked_up(self, svm: SVM) -> tuple[SVM, CueSamples]:
+    def _looked_up(self, svm: SVM) -> tuple[SVM, TrainingSet]:
         """Return an SVM on the numbers of samples where its kernel learns nothing from them."""
         kernel, features = svm.kernel, self.samples.features
-        own = self.learned_from is not None or kind_of(features) is FeatureKind.DENSE
+        own = self.samples.relearn is not None or kind_of(features) is FeatureKind.DENSE
         if own or not isinstance(kernel, DistanceKernel):
             return svm, self.samples
         name = type(kernel).__name__
         if name not in self.grams:
             self.grams[name] = Grams(kernel, features, svm.search["gamma"])
         changed: SVM = clone(svm).set_params(kernel=LookUp(self.grams[name]))
-        return changed, CueSamples(np.arange(n_samples(features), dtype=np.float64)[:, None])
+        numbers = np.arange(n_samples(features), dtype=np.float64)[:, None]
+        return changed, replace(self.samples, features=numbers)
 
-    def _search(self, svm: SVM, samples: CueSamples, column: str) -> dict[str, Any]:
+    def _search(self, svm: SVM, samples: TrainingSet, column: str) -> dict[str, Any]:
         """Search inside the training rows; one search serves all multi-class extensions."""
         if column not in self.found:
             extensions = EXTENSIONS if column in EXTENSIONS else (svm.multiclass,)
             wide = clone(svm).set_params(search={**svm.search, "multiclass": list(extensions)})
-            given = samples, self.labels, self.stamps, self.training, self.learned_from
-            table = train(wide, *given).search_
+            table = wide.train(samples.take(self.training)).search_
             for extension in extensions:
                 rows = [i for i, name in enumerate(table["multiclass"]) if name == extension]
                 part = {name: [values[i] for i in rows] for name, values in table.items()}

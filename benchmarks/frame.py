@@ -71,7 +71,8 @@ def trained(names: tuple[str, ...], training: list[Observation]) -> Pipeline:
 
 
 def report(pipeline: Pipeline, asked: list[Observation]) -> None:
-    for name, (cue, classifier) in pipeline.cues.items():
+    for name, model in pipeline.cues.items():
+        cue, classifier = model.cue, model.classifier
         kept = n_samples(classifier.support_features_)
         times = []
         for each in asked:

@@ -56,11 +56,10 @@ def main() -> None:
         integrator=SVMDAS(SVM(kernel=RBF(gamma=0.5), C=10.0, multiclass="oao")),
     ).fit(drives("idol2_floor"))
     samples = collect(
-        drives("second_floor"), {name: cue for name, (cue, _) in pipeline.cues.items()}
+        drives("second_floor"), {name: model.cue for name, model in pipeline.cues.items()}
     )
     scores: dict[str, Scores] = {
-        name: classifier.scores(samples.extracted[name].features)
-        for name, (_, classifier) in pipeline.cues.items()
+        name: model.scores(samples.extracted[name][0]) for name, model in pipeline.cues.items()
     }
     scores["svm_das"] = pipeline.integrator.integrate(StoredEvidence(dict(scores)))
     classes = np.unique(samples.labels)

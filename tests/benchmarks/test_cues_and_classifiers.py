@@ -8,7 +8,7 @@ import pytest
 from scipy import sparse
 
 from placecue import Blocks
-from placecue.learning.samples import CueSamples
+from placecue.training_set import TrainingSet
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
 
@@ -92,7 +92,7 @@ def test_looked_up_kernels_and_one_search_for_all_extensions_change_no_result(fo
     features = sparse.csr_array(counts / counts.sum(axis=1, keepdims=True))
     labels, stamps = np.array(list("abcd"))[codes], np.arange(80) * 10**9
     training, held_out = np.arange(60), np.arange(60, 80)
-    fold = folds.Fold(CueSamples(features), labels, stamps, training, held_out, {})
+    fold = folds.Fold(TrainingSet(features, labels, stamps), training, held_out, {})
     search = {"C": [1, 10], "gamma": [0.3, 1.0, 3.0]}
     for extension in ("oaa", "modified_oaa", "oao"):
         blocks = Blocks(n_folds=3)

@@ -240,7 +240,7 @@ def test_loading_fits_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(ScikitLearn, "_train", lambda self, _: fitted.append(self.features_))
     loaded = load_model(folder, known)
     assert fitted == []
-    classifier = loaded.cues["beams"][1]
+    classifier = loaded.cues["beams"].classifier
     classifier.fitted()
     assert len(fitted) == 1
     assert fitted[0] is classifier.features_

@@ -29,7 +29,7 @@ def test_picked_on_a_second_log(tmp_path: Path, log_a: Path, log_b: Path) -> Non
     words = [*ALONE, *second, f"{LASER}.refit=false", f"{LASER}.scaling=null"]
     succeeds("train", *words, f"log=[{log_a},{log_b}]", f"out={tmp_path / 'm'}")
     model = load_model(tmp_path / "m", REGISTRY)
-    classifier = model.cues["laser"][1]
+    classifier = model.cues["laser"].classifier
     assert model.classes == tuple(ROOMS)
     # What it would be if it had been trained on the first log alone, with what was picked.
     chosen = [f"{LASER}.C={classifier.C_}", f"{LASER}.kernel.gamma={classifier.kernel_.gamma}"]
@@ -58,7 +58,7 @@ def test_the_grid_of_the_paper_s_group(
     option = f"classifier@cues.{cue}.classifier=svm_{cue}_group"
     words = [f"cue={cue}", "integrator=none", f"log={log_a}", f"out={tmp_path / 'm'}"]
     succeeds("train", *words, option)
-    classifier = load_model(tmp_path / "m", REGISTRY).cues[cue][1]
+    classifier = load_model(tmp_path / "m", REGISTRY).cues[cue].classifier
     # C = 100 and 8 steps a decade: from 0.001 to 31.6, and from 0.0001 to 100.
     assert classifier.C_ == 100
     assert classifier.multiclass == "oaa"

@@ -58,7 +58,7 @@ def test_every_searched_parameter_is_shown_and_every_point_written(
         *("integrator.md", "integrator.png", "laser.md", "laser.png"),
     ]
     pipeline = load_model(out, REGISTRY)
-    laser = pipeline.cues["laser"][1]
+    laser = pipeline.cues["laser"].classifier
     head, laser_row, integrator_row = shown_rows(told)
     assert head[:5] == ["classifier", "C", "gamma", "scaling", "multiclass"]
     chosen = laser.chosen_

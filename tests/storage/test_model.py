@@ -53,9 +53,9 @@ def test_a_search_is_kept_with_the_model(known: Registry, tmp_path: Path) -> Non
     svm = SVM(kernel=RBF(), search={"C": [1.0, 10.0], "gamma": [0.1]}, multiclass="modified_oaa")
     trained = Pipeline({"beams": (Beams(), svm)}).fit(Walk())
     loaded = load_model(save_model(trained, tmp_path / "m", known), known)
-    assert loaded.cues["beams"][1].search_ == svm.search_
-    assert loaded.cues["beams"][1].kernel_.gamma == 0.1
-    assert loaded.cues["beams"][1].layout_ == svm.layout_
+    assert loaded.cues["beams"].classifier.search_ == svm.search_
+    assert loaded.cues["beams"].classifier.kernel_.gamma == 0.1
+    assert loaded.cues["beams"].classifier.layout_ == svm.layout_
 
 
 def test_a_threshold_for_unknown_is_kept_with_the_model(known: Registry, tmp_path: Path) -> None:

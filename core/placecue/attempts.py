@@ -63,22 +63,28 @@ def attempt(ask: Callable[[Rows], T], n: int, *, skip: bool = False) -> Attempts
     except ContractError:
         raise
     except (UnusableObservation, ComponentError) as error:
-        if n > 1:
-            return _one_by_one(ask, every, skip, error)
-        return Attempts(failed={0: _unusable(error, skip)})
+        if n == 1:
+            return Attempts(failed={0: _unusable(error, skip)})
+        found = attempt_each(ask, n, skip=skip)
+        if not found.failed:
+            raise
+        return found
 
 
-def _one_by_one(ask: Callable[[Rows], T], every: Rows, skip: bool, whole: Exception) -> Attempts[T]:
+def attempt_each(ask: Callable[[Rows], T], n: int, *, skip: bool = False) -> Attempts[T]:
+    """Ask about n samples one by one, where nothing is gained by asking about all at once.
+
+    See :func:`attempt`.
+    """
     found: Attempts[T] = Attempts()
-    for row in every:
+    every = np.arange(n)
+    for row in range(n):
         try:
             found.answers.append((every[row : row + 1], ask(every[row : row + 1])))
         except ContractError:
             raise
         except (UnusableObservation, ComponentError) as error:
-            found.failed[int(row)] = _unusable(error, skip)
-    if not found.failed:
-        raise whole
+            found.failed[row] = _unusable(error, skip)
     return found
 
 

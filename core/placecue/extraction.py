@@ -11,13 +11,14 @@ from typing import Any, TypeVar
 import numpy as np
 
 from placecue import contracts
-from placecue.attempts import Attempts, attempt
+from placecue.attempts import Attempts, attempt, attempt_each
 from placecue.cue import Cue
 from placecue.errors import ComponentError, UnusableObservation
-from placecue.features import FeatureBatch, join, spoilt_rows
+from placecue.features import FeatureBatch, Features, join, spoilt_rows, stack
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
+from placecue.provenance import provenance
 
 AnyCue = TypeVar("AnyCue", bound=Cue)
 T = TypeVar("T")
@@ -71,8 +72,10 @@ class Extraction:
             Whether an observation at which the cue fails counts as unusable.
         """
         usable, failed = ready(cue, observations)
+        in_batches = type(cue).transform is not Cue.transform
+        asking, trying = (_asked, attempt) if in_batches else (_asked_one, attempt_each)
         asked = Extracted.of(
-            attempt(lambda rows: _asked(cue, [usable[row] for row in rows]), len(usable), skip=skip)
+            trying(lambda rows: asking(cue, [usable[row] for row in rows]), len(usable), skip=skip)
         )
         there = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
         failed |= {int(there[row]): error for row, error in asked.failed.items()}
@@ -143,16 +146,28 @@ def ready(
     return usable, failed
 
 
+def _asked_one(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:
+    """Return what a cue makes of the only one of some observations, checked."""
+    [observation] = observations
+    check = contracts.features
+    features: Features = call(cue, "extract", observation, check=check, at=observation)
+    return _finite(cue, stack([features]), observations)
+
+
 def _asked(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:
     """Return what a cue makes of observations, checked."""
     at = observations[0] if len(observations) == 1 else None
     check = partial(contracts.batch, n=len(observations))
     batch: FeatureBatch = call(cue, "transform", observations, check=check, at=at)
+    return _finite(cue, batch, observations)
+
+
+def _finite(cue: Cue, batch: FeatureBatch, observations: Sequence[Observation]) -> FeatureBatch:
     spoilt = spoilt_rows(batch)
     if len(spoilt):
         where = observations[spoilt[0]]
         raise ComponentError(
-            f"cue {type(cue).__name__}: {len(spoilt)} of {len(observations)} observations have "
-            f"NaN or infinite (inf) features, the first at stamp {where.stamp}"
+            f"{provenance(cue)}: {len(spoilt)} of {len(observations)} observations have NaN or "
+            f"infinite (inf) features, the first at stamp {where.stamp}"
         )
     return batch

@@ -16,6 +16,7 @@ from placecue.components.manager import load_plugins
 from placecue.evaluation import training_report
 from placecue.evaluation.training_report import held_out_reliability, searches
 from placecue.folds import InterleavedChunks
+from placecue.scaling import QuantileScaling, RangeScaling
 from placecue.storage.model import load_model
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
@@ -62,9 +63,10 @@ def test_every_searched_parameter_is_shown_and_every_point_written(
     head, laser_row, integrator_row = shown_rows(told)
     assert head[:5] == ["classifier", "C", "gamma", "scaling", "multiclass"]
     chosen = laser.chosen_
+    scaling = {RangeScaling: "range", QuantileScaling: "quantiles"}[type(chosen["scaling"])]
     assert laser_row[:5] == [
         *("laser", f"{chosen['C']:g}", f"{chosen['gamma']:g}"),
-        *(chosen["scaling"], chosen["multiclass"]),
+        *(scaling, chosen["multiclass"]),
     ]
     best = f"{100 * max(laser.search_['balanced_accuracy']):.1f}"
     assert laser_row[5] == best
@@ -75,7 +77,7 @@ def test_every_searched_parameter_is_shown_and_every_point_written(
     shares = [float(point[-1]) for point in points]
     assert shares == sorted(shares, reverse=True)
     assert points[0][-1] == best
-    assert dict(zip(names, points[0], strict=True))["scaling"] == chosen["scaling"]
+    assert dict(zip(names, points[0], strict=True))["scaling"] == scaling
     for name in ("laser", "integrator"):
         assert cv2.imread(str(out / "search" / f"{name}.png")) is not None
 
@@ -166,7 +168,7 @@ def test_cues_with_probabilities_and_the_integrator_are_in_one_diagram() -> None
         "few": (Beams(2), SVM(kernel=RBF(gamma=0.1))),
     }
     svm = SVM(kernel=RBF(gamma=0.3), probability="sigmoid")
-    pipeline = Pipeline(cues, SVMDAS(classifier=svm)).fit(Walk(noise=1.0))
+    pipeline = Pipeline(cues, SVMDAS(classifier=svm)).fit(Walk(noise=1.0), reliability=True)
     measured = held_out_reliability(pipeline)
     assert list(measured) == ["beams", "integrated"]
     assert [each.counts.sum() for each in measured.values()] == [320, 320]

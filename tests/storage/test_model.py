@@ -98,6 +98,8 @@ def test_the_manifest_says_what_the_model_is_made_of(folder: Path) -> None:
         ("integrator", "svm_das"),
         ("scaling", "range"),
         ("folds", "interleaved"),
+        ("layout", "one_against_all"),
+        ("layout", "one_against_one"),
     }
     assert made_of["cue", "beams"]["distribution"] == "toys"
     config = yaml.safe_load((folder / "config.yaml").read_text())

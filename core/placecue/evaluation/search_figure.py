@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from placecue.errors import UsageError
 from placecue.evaluation.pictures import save_picture
+from placecue.provenance import provenance
 
 SCORE = "balanced_accuracy"
 FRAME = "#D55E00"
@@ -134,4 +135,6 @@ def as_text(value: Any) -> str:
     if value is None:
         return "-"
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if hasattr(value, "get_params"):  # a component goes by its name
+        return provenance(value).name.strip("'")
     return f"{value:g}" if number else str(value)

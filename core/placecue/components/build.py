@@ -18,7 +18,7 @@ from typing import Any
 from placecue.components.hooks import KINDS, Kind
 from placecue.components.parameter_types import misfits
 from placecue.components.registry import Registry
-from placecue.errors import PlacecueError, PluginError, UsageError, choices, told
+from placecue.errors import FOREIGN, PlacecueError, PluginError, UsageError, choices, told
 
 
 def plain(value: Any) -> Any:
@@ -76,8 +76,9 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
     except PlacecueError:
         raise
     except (TypeError, ValueError) as error:
-        raise UsageError(f"{where}: {kind} '{name}' refused its parameters: {error}") from error
-    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split())
+        raise UsageError(f"{where}: {kind} '{name}' refused its parameters: {reason}") from error
+    except FOREIGN as error:
         raise PluginError(f"{where}: {kind} '{name}' cannot be made: {told(error)}") from error
 
 

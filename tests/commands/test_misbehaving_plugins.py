@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from importlib.metadata import Distribution, EntryPoint, entry_points
 from pathlib import Path
@@ -25,9 +26,19 @@ from placecue import (
     hookimpl,
 )
 from placecue.components.manager import current_plugins
+from placecue.logs import open_log
 
 #: What every misbehaving component of this file does, set by each test.
 DEED: list[Any] = []
+
+
+#: What the plugin does when it is told of an observation.
+LEAVING: list[Any] = []
+
+
+def listening(observation: Any, belief: Any) -> None:
+    for deed in LEAVING:
+        deed()
 
 
 class OddCue(Cue):
@@ -116,8 +127,9 @@ class OddDistribution(Distribution):
 def _installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     module = ModuleType("odd_things")
     module.placecue_components = hookimpl(lambda: COMPONENTS)  # type: ignore[attr-defined]
-    monkeypatch.setitem(__import__("sys").modules, "odd_things", module)
-    monkeypatch.setitem(__import__("sys").modules, __name__, _this_module())
+    module.placecue_observation_classified = hookimpl(listening)  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "odd_things", module)
+    monkeypatch.setitem(sys.modules, __name__, _this_module())
     odd = EntryPoint("odd", "odd_things", "placecue")._for(OddDistribution())  # type: ignore[attr-defined]
     found = [*entry_points(group="placecue"), odd]
     monkeypatch.setattr("placecue.components.manager.entry_points", lambda group: found)
@@ -125,6 +137,7 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     yield
     current_plugins.cache_clear()
     DEED.clear()
+    LEAVING.clear()
 
 
 def _this_module() -> ModuleType:
@@ -160,7 +173,7 @@ WHERE = {
 }
 
 
-@pytest.mark.parametrize("misdeed", MISDEEDS)
+@pytest.mark.parametrize("misdeed", ["raises", "leaves"])
 @pytest.mark.parametrize("case", CALLS)
 def test_what_it_does_wrong_is_one_line(
     case: str, misdeed: str, log_b: Path, laser_model: Path
@@ -194,7 +207,7 @@ def test_nonsense_is_one_line(case: str, log_b: Path, laser_model: Path) -> None
     assert answer.status == 1
 
 
-@pytest.mark.parametrize("misdeed", MISDEEDS)
+@pytest.mark.parametrize("misdeed", ["raises", "leaves", "closes"])
 def test_one_that_cannot_be_made_is_one_line(misdeed: str, log_b: Path) -> None:
     DEED[:] = [MISDEEDS[misdeed][0]]
     answer = placecue("train", "cue=oddly_made", f"log={log_b}", "out=model")
@@ -203,7 +216,14 @@ def test_one_that_cannot_be_made_is_one_line(misdeed: str, log_b: Path) -> None:
     assert answer.status in (1, 2)
 
 
-def first_stamp(log: Path) -> int:
-    from placecue.logs import open_log
+def test_a_listener_that_leaves_is_one_line(log_b: Path, laser_model: Path) -> None:
+    DEED[:] = [lambda: None]
+    LEAVING.append(MISDEEDS["leaves"][0])
+    answer = placecue("classify", f"log={log_b}", f"model={laser_model}", "out=beliefs")
+    said = "plugin odd-things:odd failed on observation_classified: SystemExit: 3"
+    assert answer.line == said
+    assert answer.status == 2
 
+
+def first_stamp(log: Path) -> int:
     return next(iter(open_log(log))).stamp

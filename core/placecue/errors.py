@@ -49,6 +49,8 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C while a component was at work; says which."""
 
 
+#: What foreign code may raise besides Ctrl-C; wanting to leave is an error like any other.
+FOREIGN = (Exception, SystemExit, GeneratorExit)
 #: So much of the text of a foreign error is told.
 _TOLD = 400
 

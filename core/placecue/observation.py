@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, Never, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import PlacecueError, UnusableObservation, described, told
+from placecue.errors import FOREIGN, PlacecueError, UnusableObservation, described, told
 from placecue.read_only import read_only
 
 Image: TypeAlias = NDArray[np.uint8]
@@ -308,7 +308,7 @@ class Observation:
             return source()
         except PlacecueError:
             raise
-        except (Exception, SystemExit) as error:
+        except FOREIGN as error:
             raise UnusableObservation(
                 f"{self._its('image')} does not decode: {told(error)}"
             ) from error

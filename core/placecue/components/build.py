@@ -21,7 +21,7 @@ from placecue.components.hooks import Kind
 from placecue.components.nesting import SEARCH, visited_parameters
 from placecue.components.parameter_types import misfits
 from placecue.components.registry import Registry
-from placecue.errors import PlacecueError, PluginError, UsageError, choices, told
+from placecue.errors import FOREIGN, PlacecueError, PluginError, UsageError, choices, told
 
 
 def plain(value: Any) -> Any:
@@ -124,8 +124,9 @@ def construct(
     except PlacecueError:
         raise
     except (TypeError, ValueError) as error:
-        raise UsageError(f"{what} refused its parameters: {error}") from error
-    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split())
+        raise UsageError(f"{what} refused its parameters: {reason}") from error
+    except FOREIGN as error:
         raise PluginError(f"{what} cannot be made: {told(error)}") from error
     return made
 

@@ -17,7 +17,7 @@ import pluggy
 
 from placecue.components import hooks
 from placecue.components.registry import Problem, Registry
-from placecue.errors import PluginError
+from placecue.errors import FOREIGN, PluginError, told
 
 GROUP = "placecue"
 BUILT_IN = "placecue"
@@ -54,10 +54,9 @@ class Plugins:
         for listener in getattr(self.manager.hook, f"placecue_{event}").get_hookimpls():
             try:
                 listener.function(**{name: details[name] for name in listener.argnames})
-            except Exception as error:
+            except FOREIGN as error:
                 raise PluginError(
-                    f"plugin {listener.plugin_name} failed on {event}: "
-                    f"{type(error).__name__}: {error}"
+                    f"plugin {listener.plugin_name} failed on {event}: {told(error)}"
                 ) from error
 
 

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any
 
 from placecue.components.hooks import KINDS, Component, Kind
-from placecue.errors import PluginError, UsageError, choices, told
+from placecue.errors import FOREIGN, PluginError, UsageError, choices, told
 from placecue.provenance import remember
 
 
@@ -130,7 +130,7 @@ class Registry:
         module, attribute = provided.component.factory.split(":")
         try:
             loaded = getattr(import_module(module), attribute)
-        except (Exception, SystemExit) as error:
+        except FOREIGN as error:
             raise PluginError(
                 f"{kind} '{name}' of {provided.distribution} {provided.version} cannot be "
                 f"imported from {provided.component.factory}: {told(error)}"

@@ -1,0 +1,52 @@
+"""What the methods of components promise to return.
+
+Each function returns None, or what is wrong, such as ``returned 1 row for 3 samples``: a check for
+:func:`placecue.guard.call`.
+"""
+
+from __future__ import annotations
+
+from placecue.contracts.features import batch, features, finite
+from placecue.contracts.numbers import folds, gram, scaled, scores
+from placecue.contracts.observations import (
+    camera,
+    count,
+    fits,
+    image,
+    metadata,
+    observation,
+    scan,
+    stamp,
+    text,
+)
+from placecue.contracts.space import area_update, crossing, pose, semantic_map
+from placecue.errors import described
+
+__all__ = [
+    "area_update",
+    "batch",
+    "camera",
+    "count",
+    "crossing",
+    "features",
+    "finite",
+    "fits",
+    "folds",
+    "gram",
+    "image",
+    "itself",
+    "metadata",
+    "observation",
+    "pose",
+    "scaled",
+    "scan",
+    "scores",
+    "semantic_map",
+    "stamp",
+    "text",
+]
+
+
+def itself(made: object, component: object) -> str | None:
+    """Check what ``fit`` returns: the component."""
+    return None if made is component else f"returned {described(made)}, not the component itself"

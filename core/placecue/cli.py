@@ -8,11 +8,9 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
 
 from placecue.commands.names import COMMANDS
 from placecue.errors import PlacecueError, UsageError, choices
-from placecue.interruptible import still_running
 
 #: Set to 1 for full tracebacks; ``hydra.verbose=true`` does it for one run.
 TRACEBACK = "PLACECUE_TRACEBACK"
@@ -36,7 +34,7 @@ eval "$(placecue -sc install=bash)"           tab completion (or fish)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line; exits with 0, 1 (data), 2 (usage), 130 (Ctrl-C), 141 (unread)."""
+    """Run the command line; exits with 0, 1 (data), 2 (usage) or 141 (nobody reads on)."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if "--no-plugins" in words:
         words = [word for word in words if word != "--no-plugins"]
@@ -47,8 +45,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except BrokenPipeError:  # such as "placecue --help | head"
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 141
-    if still_running():
-        _leave(status)
     sys.exit(status)
 
 
@@ -87,16 +83,6 @@ def run(words: list[str]) -> int:
             "command shows where, for a report",
             1,
         )
-
-
-def _leave(status: int) -> NoReturn:
-    """End the process at once, though work goes on in it that nothing can stop."""
-    import logging
-
-    logging.shutdown()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)
 
 
 def _failed(words: Sequence[str], message: str, status: int) -> int:

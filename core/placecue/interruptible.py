@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from contextvars import copy_context
 from typing import TypeVar
 
 T = TypeVar("T")
 #: Where a wait cannot be interrupted (Windows), Ctrl-C is heard this often, s.
 _PATIENCE = 0.5
-_running: set[object] = set()
 
 
 def interruptible(work: Callable[[], T]) -> T:
@@ -34,19 +32,17 @@ def interruptible(work: Callable[[], T]) -> T:
     Raises
     ------
     KeyboardInterrupt
-        At Ctrl-C, while the work goes on; see :func:`still_running`.
+        At Ctrl-C, while the work goes on.
     """
     if threading.current_thread() is not threading.main_thread():
-        with _counted():
-            return work()
+        return work()
     done = threading.Event()
     results: list[T] = []
     errors: list[BaseException] = []
 
     def do() -> None:
         try:
-            with _counted():
-                results.append(work())
+            results.append(work())
         except BaseException as error:
             errors.append(error)
         finally:
@@ -57,20 +53,5 @@ def interruptible(work: Callable[[], T]) -> T:
     while not done.wait(_PATIENCE):
         pass
     if errors:
-        raise errors[0]
+        raise errors.pop()  # and hold no frame, whose arrays may be large
     return results[0]
-
-
-def still_running() -> bool:
-    """Tell whether work goes on that was left behind, so that the process has to be ended."""
-    return bool(_running)
-
-
-@contextmanager
-def _counted() -> Iterator[None]:
-    token = object()
-    _running.add(token)
-    try:
-        yield
-    finally:
-        _running.discard(token)

@@ -326,6 +326,32 @@ def test_a_follower_gets_to_the_end_of_a_straight_path() -> None:
     np.testing.assert_allclose(states[:, 2:], 0, atol=1e-9)
 
 
+# sizes of the image
+
+
+@pytest.mark.parametrize(
+    ("width", "height"),
+    [(96, 72), (97, 73), (1, 1), (2, 1), (1, 300), (3000, 1), (7, 5)],
+)
+def test_an_image_may_have_any_size(width: int, height: int) -> None:
+    office = Office(width=width, height=height, samples=1, beams=1, image_noise=0.0)
+    image = next(iter(office)).image
+    assert image is not None
+    assert image.shape == (height, width, 3)
+    assert 20 < image.mean() < 235
+
+
+def test_an_odd_image_is_the_middle_of_an_even_one_with_finer_rows() -> None:
+    # 81 rows of the same view lie where every third of 243 does; the middle one is the horizon.
+    fine = next(iter(Office(width=324, height=243, samples=1, image_noise=0.0, shutter=0.0)))
+    coarse = next(iter(Office(width=108, height=81, samples=1, image_noise=0.0, shutter=0.0)))
+    assert fine.image is not None
+    assert coarse.image is not None
+    difference = np.abs(fine.image[1::3, 1::3].astype(float) - coarse.image)
+    assert np.median(difference) < 6
+    assert difference[40].mean() < 2 * difference.mean()
+
+
 # wrong requests
 
 
@@ -338,6 +364,12 @@ def test_a_follower_gets_to_the_end_of_a_straight_path() -> None:
         ({"rate": 0}, "rate"),
         ({"samples": 0}, "samples"),
         ({"run": -1}, "run"),
+        ({"width": 0}, "width is 0; give a whole number of at least 1"),
+        ({"height": 65_501}, "height is 65501; give a whole number of at most 65500"),
+        ({"width": 20_000, "height": 20_000}, "width x height is 400000000 pixels"),
+        ({"field_of_view": 180}, "field_of_view is 180; give a number below 180"),
+        ({"laser_field_of_view": 361.0}, "laser_field_of_view is 361.0; give a number of at most"),
+        ({"camera_height": 30.0}, "camera_height is 30.0; give a number below"),
     ],
 )
 def test_wrong_requests_are_told_in_one_line(wrong: dict[str, object], said: str) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from placecue.camera import PinholeCamera
 from placecue.checks import check_choice, check_number, check_whole
+from placecue.errors import UsageError
 from placecue.observation import Image, Observation, Pose2D
 from placecue.source import Source
 from placecue_office.arrays import Geometry
@@ -39,6 +40,9 @@ ROUTES = ("planned", "idol2", "explore")
 
 #: Distance beyond the robot's radius that things keep from the lines of the tour, m.
 ASIDE = 0.15
+
+#: Pixels along a side, what JPEG can hold, and in an image, which takes 20 bytes each to render.
+_SIDE, _PIXELS = 65_500, 100_000_000
 
 _WHOLE = {
     **{"seed": 0, "run": 0, "width": 1, "height": 1, "beams": 1},
@@ -325,6 +329,7 @@ class Office(Source):
         """The world of this recording."""
         self._check()
         plan, radius = read_plan(find_plan(self.world)), self.robot_radius
+        check_number("camera_height", self.camera_height, below=plan.height)
         recorded = self.route == "idol2"
         way = all_positions(find_poses(self.poses)) if recorded else dense(plan.tour)
         return World(
@@ -392,6 +397,17 @@ class Office(Source):
             check_number(name, getattr(self, name), least=0.0)
         for name in _POSITIVE:
             check_number(name, getattr(self, name), above=0.0)
+        self._check_view()
+
+    def _check_view(self) -> None:
+        check_number("field_of_view", self.field_of_view, below=180.0)
+        check_number("laser_field_of_view", self.laser_field_of_view, most=360.0)
+        for name in ("width", "height"):
+            check_whole(name, getattr(self, name), least=1, most=_SIDE)
+        if self.width * self.height > _PIXELS:
+            raise UsageError(
+                f"width x height is {self.width * self.height} pixels; give at most {_PIXELS}"
+            )
 
 
 def _pose(values: NDArray[np.float64], frame: str) -> Pose2D:

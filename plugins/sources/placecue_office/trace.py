@@ -100,9 +100,14 @@ def _paint_caps(
 def _background(
     depth: NDArray[np.float32], surface: NDArray[np.int32], eye: Eye, ceiling: float
 ) -> None:
-    """Fill a column with floor below the horizon and ceiling above it."""
+    """Fill a column with floor below the horizon and ceiling above it.
+
+    The middle one of an odd number of rows is on the horizon, which no floor or ceiling reaches:
+    it has the ceiling that its upper half sees.
+    """
     for row in range(len(depth)):
         below = row + 0.5 - 0.5 * len(depth)
+        below = -0.25 if below == 0.0 else below
         surface[row] = FLOOR if below > 0.0 else CEILING
         depth[row] = eye.focal * (eye.z - (0.0 if below > 0.0 else ceiling)) / below
 

@@ -4,6 +4,13 @@ import logging
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+# A busy machine is no failure, and every run asks the same.
+settings.register_profile(
+    "placecue", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("placecue")
 
 
 @pytest.fixture(autouse=True)

@@ -146,7 +146,8 @@ def test_the_laser_cue_sees_rooms_of_other_sizes(noting: Noting) -> None:
     np.testing.assert_allclose(features[1::3, column], 0.8 * features[::3, column], rtol=1e-6)
     np.testing.assert_allclose(features[2::3, column], 1.25 * features[::3, column], rtol=1e-6)
     plain = LaserGeometry("full").transform(rooms)
-    np.testing.assert_array_equal(features[::3], plain)
+    # Extracted in a batch of another size, which BLAS may sum in another order.
+    np.testing.assert_allclose(features[::3], plain, rtol=1e-9, atol=1e-15)
     np.testing.assert_array_equal(cue.transform(rooms), plain)
 
 

@@ -127,6 +127,7 @@ def test_wrong_kinds_and_widths() -> None:
 
 
 def test_index_is_kept_only_while_the_batch_lives() -> None:
+    gc.collect()  # batches of other tests
     batch = sparse.csr_array(histograms(4, 0))
     first = inverted_index.index_of(batch)
     assert inverted_index.index_of(batch) is first

@@ -86,7 +86,9 @@ def test_what_is_written_is_read(tmp_path: Path, encoding: str, compression: str
 
 
 @settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=40,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(
     ranges=st.lists(st.floats(allow_nan=True, allow_infinity=True, width=64), max_size=8),

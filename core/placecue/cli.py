@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 141
     if status == interruption.STATUS:
-        interruption.end()
+        interruption.end(status)
     sys.exit(status)
 
 
@@ -78,8 +78,7 @@ def run(words: list[str]) -> int:
     except BrokenPipeError:
         raise
     except KeyboardInterrupt as error:
-        where = f": {error}" if str(error) else ""
-        return _failed(words, f"interrupted{where}", interruption.STATUS)
+        return _failed(words, str(error) or "interrupted", interruption.STATUS)
     except Exception as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         return _failed(

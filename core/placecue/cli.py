@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 141
     if status == interruption.STATUS:
-        interruption.end()
+        interruption.end(status)
     sys.exit(status)
 
 

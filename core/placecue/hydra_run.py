@@ -167,7 +167,8 @@ class Task:
         from placecue.commands.numbered import of_job, swept_keys, tells_jobs_apart
 
         out = path_of(settings, "out")
-        swept = swept_keys(self.words, HydraConfig.get().sweeper.get("params") or {})
+        overrides = get_args_parser().parse_args(self.words).overrides
+        swept = swept_keys(overrides, HydraConfig.get().sweeper.get("params") or {})
         named = not is_folder and tells_jobs_apart(config, swept)
         return str(out if named else of_job(out, job, is_folder))
 

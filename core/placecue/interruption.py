@@ -42,7 +42,7 @@ def ending_in_time() -> Iterator[None]:
         os.close(writing)  # the thread reads to the end, and ends
 
 
-def end() -> NoReturn:
+def end(status: int) -> NoReturn:
     """End this process now, and those that it has started, waiting for no thread."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):  # nobody reads, or it is closed
@@ -51,7 +51,7 @@ def end() -> NoReturn:
     if "multiprocessing" in sys.modules:
         for child in sys.modules["multiprocessing"].active_children():
             child.kill()
-    os._exit(STATUS)
+    os._exit(status)
 
 
 def _watch(reading: int, finished: Event) -> None:
@@ -59,4 +59,4 @@ def _watch(reading: int, finished: Event) -> None:
         while told := signals.read(64):
             if signal.SIGINT in told and not finished.wait(GRACE):
                 print("placecue: interrupted", file=sys.stderr)
-                end()
+                end(STATUS)

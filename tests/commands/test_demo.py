@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from command_line import placecue
+from placecue.commands.files import DEMONSTRATED
 from placecue.components.manager import load_plugins
 from placecue.semantic_map import SemanticMap
 from placecue.storage.model import load_model
@@ -27,6 +28,8 @@ def test_the_demo(tmp_path: Path) -> None:
     assert len(named) == 9
     for path in named:
         assert list(path.parent.glob(path.name)), path
+    made = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
+    assert made - {"model/reliability.png"} == set(DEMONSTRATED) - {"model/reliability.png"}
     table = rows(out / "beliefs.csv")
     assert 20 < len(table) <= 45
     scores = json.loads((out / "metrics.json").read_text())["methods"]

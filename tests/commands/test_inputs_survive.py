@@ -141,9 +141,11 @@ def test_the_writer_refuses_too(log: Path) -> None:
 
 
 def test_names_are_no_paths(log: Path) -> None:
-    """A folder that is called as a plugin or a label is not read."""
-    for name in ("mcap", "office"):
-        Path(name).mkdir()
-    words = ["annotate", f"log={log}", "label_map={lab: office}"]
-    succeeds(*words, "out=office/a.mcap")
-    succeeds(*words, "out=office/a.mcap", FORCE)
+    """A folder that is called like a plugin or a label is not read."""
+    Path("office").mkdir()
+    Path("office", "notes.txt").write_text("mine")
+    source = {"plugin": "office", "path": str(log), "separator": "/"}
+    config = {"source": source, "label_map": {"lab": "office"}, "out": "office", "overwrite": True}
+    with guarded(config, []):
+        written = write_text(Path("office", "new.txt"), "text")
+    assert written.read_text() == "text"

@@ -61,13 +61,13 @@ def test_an_interrupt_ends_a_command(tmp_path: Path, busy: str) -> None:
 
 
 def interrupted(config: dict) -> None:
-    raise KeyboardInterrupt("cue 'slow' of slow-cues 1.0")
+    raise KeyboardInterrupt("interrupted in extract of cue 'slow'")
 
 
 def test_it_says_what_was_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("placecue.commands.plugins.run", interrupted)
     told = placecue("plugins")
-    assert (told.status, told.line) == (130, "interrupted: cue 'slow' of slow-cues 1.0")
+    assert (told.status, told.line) == (130, "interrupted in extract of cue 'slow'")
 
 
 @pytest.mark.parametrize("code", [0, 3, "done"])

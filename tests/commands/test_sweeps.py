@@ -69,7 +69,9 @@ def test_a_wrong_value_among_them(tmp_path: Path, log_a: Path) -> None:
 
 
 def test_one_out_for_all_is_numbered(tmp_path: Path, log_a: Path) -> None:
-    words = ["convert", "-m", "source=mcap", f"log={log_a}", "encoding=cdr,json"]
+    (tmp_path / "own").mkdir()
+    options = ["-m", "--config-dir", "own"]
+    words = ["convert", *options, "source=mcap", f"log={log_a}", "encoding=cdr,json"]
     succeeds(*words, "out=made/a.mcap")
     assert sorted(path.name for path in (tmp_path / "made").iterdir()) == ["a_0.mcap", "a_1.mcap"]
     kinds = {open_log(tmp_path / "made" / f"a_{job}.mcap").topics[0].encoding for job in "01"}
@@ -112,7 +114,7 @@ def test_an_out_that_names_what_changes_keeps_its_name(
 
 
 def test_what_is_swept() -> None:
-    words = ["-m", "encoding=cdr,json", "source.seed=range(3)", "log=[a,b]", "out='a,b'", "~world"]
+    words = ["encoding=cdr,json", "source.seed=range(3)", "log=[a,b]", "out='a,b'", "~world"]
     assert swept_keys(words, ["source.run"]) == {"encoding", "source.seed", "source.run"}
 
 

@@ -33,7 +33,7 @@ class Inputs:
         # Keys near the top are what was typed: log rather than source.path.
         for key, path in sorted(_paths(read), key=lambda found: found[0].count(".")):
             found = identity(path)
-            if found is not None:
+            if found is not None and path != Path("/"):  # a separator, not all there is
                 self._named.setdefault(found, f"{key}={path}")
         with suppress(UsageError):  # said where the cache is opened
             cache, _ = cache_of(config)

@@ -13,19 +13,19 @@ from omegaconf import DictConfig, OmegaConf
 OUT = "out"
 
 
-def swept_keys(words: Iterable[str], parameters: Iterable[str] = ()) -> set[str]:
+def swept_keys(overrides: Iterable[str], parameters: Iterable[str] = ()) -> set[str]:
     """Return the keys that a sweep gives several values to.
 
     Parameters
     ----------
-    words : iterable of str
-        The command line; options among the overrides are passed over.
+    overrides : iterable of str
+        Those of the command line.
     parameters : iterable of str
         Keys that the config sweeps by itself, ``hydra.sweeper.params``.
     """
     parser = OverridesParser.create()
-    overrides = (parser.parse_override(word) for word in words if not word.startswith("-"))
-    return {each.key_or_group for each in overrides if each.is_sweep_override()} | set(parameters)
+    parsed = map(parser.parse_override, overrides)
+    return {each.key_or_group for each in parsed if each.is_sweep_override()} | set(parameters)
 
 
 def of_job(out: Path, job: int, is_folder: bool) -> Path:

@@ -16,7 +16,7 @@ def reseal(folder: Path) -> bool:
         # No more than a test can parse without taking the memory that it measures.
         small = path.is_file() and path.stat().st_size < 2**20
         manifest = json.loads(path.read_bytes()) if small else None
-        for name, about in manifest["files"].items():
+        for name, about in (manifest.get("files") or {}).items():
             data = (folder / name).read_bytes() if (folder / name).is_file() else b""
             about |= {"size": len(data), "sha256": hashlib.sha256(data).hexdigest()}
         manifest = {"digest": "0" * 64} | {k: v for k, v in manifest.items() if k != "digest"}

@@ -24,7 +24,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tamperings import ARRAYS_TAMPERINGS, FILE_TAMPERINGS, JSON_TAMPERINGS
+from tamperings import ARRAYS_TAMPERINGS, FILE_TAMPERINGS, JSON_TAMPERINGS, write_very_much
 
 from folders import reseal
 from placecue import Pipeline, PlacecueError, Unknown
@@ -159,6 +159,7 @@ def _tamper(folder: Path, chance: random.Random, marker: Path) -> str:
     chosen: list[Callable[..., Any]] = [
         chance.choice(chance.choice(several)) for _ in range(chance.choice((1, 1, 2)))
     ]
+    chosen.sort(key=lambda each: each is write_very_much)  # which takes memory to tamper with
     if chance.random() < 0.3:  # last: what is no plain file cannot be tampered with
         chosen[-1] = chance.choice(FILE_TAMPERINGS)
     done = []

@@ -275,6 +275,22 @@ def put_another_array(folder: Path, chance: random.Random, marker: Path) -> None
     np.savez(folder / "arrays.npz", **arrays)
 
 
+def put_another_array_and_say_so(folder: Path, chance: random.Random, _: Path) -> None:
+    arrays, name = _one(folder, chance)
+    array = arrays[name]
+    arrays[name] = chance.choice(
+        [array[:-1], array[:0], array.reshape(-1), np.full(array.shape, np.inf), np.zeros((2, 3))]
+    )
+    np.savez(folder / "arrays.npz", **arrays)
+    about = {"dtype": arrays[name].dtype.str, "shape": list(arrays[name].shape), "finite": True}
+    about["finite"] = arrays[name].dtype.kind != "f" or bool(np.isfinite(arrays[name]).all())
+    data = json.loads((folder / "state.json").read_text())
+    for where, key in _places(data):
+        if key == "array" and where[key] == name:
+            where.update(about)
+    (folder / "state.json").write_text(json.dumps(data))
+
+
 def spoil_the_values(folder: Path, chance: random.Random, _: Path) -> None:
     arrays, name = _one(folder, chance)
     kind = arrays[name].dtype.kind
@@ -357,7 +373,7 @@ JSON_TAMPERINGS = [
     write_no_text, write_very_much,
 ]  # fmt: skip
 ARRAYS_TAMPERINGS = [
-    drop_an_array, add_an_array, put_another_array, spoil_the_values, pack_a_bomb,
-    claim_a_huge_shape, write_a_strange_header, name_members_strangely, put_a_pickle,
+    drop_an_array, add_an_array, put_another_array, put_another_array_and_say_so, spoil_the_values,
+    pack_a_bomb, claim_a_huge_shape, write_a_strange_header, name_members_strangely, put_a_pickle,
     put_many_members,
 ]  # fmt: skip

@@ -145,8 +145,10 @@ def _check_plain(dtype: np.dtype[Any], shape: tuple[int, ...], size: int, name: 
 def _check_values(array: NDArray[Any]) -> None:
     if array.dtype.kind == "b" and array.view(np.uint8).max(initial=0) > 1:
         raise ValueError("a truth value is neither true nor false")
-    if array.dtype.kind == "U":  # characters that are none cannot be shown
-        "".join(array.ravel().tolist()).encode()
+    if array.dtype.kind == "U":
+        codes = array.ravel().view(np.dtype("u4").newbyteorder(array.dtype.byteorder))
+        if ((codes > 0x10FFFF) | ((codes >= 0xD800) & (codes < 0xE000))).any():
+            raise ValueError("a character is none, and can be shown nowhere")
 
 
 def from_parts(what: Mapping[str, Any], parts: Mapping[str, NDArray[Any]]) -> Any:

@@ -9,6 +9,7 @@ gets a model that was not trained like that; running code or reaching other file
 from __future__ import annotations
 
 import hashlib
+import re
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -84,8 +85,8 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     try:
         data = read_bytes(path, LIMIT)
     except DataError as error:
-        reason = f"it has no readable {MANIFEST} ({error})" if folder.exists() else "there is none"
-        reason = reason if folder.exists() else "it does not exist"
+        unreadable = f"it has no readable {MANIFEST} ({error})"
+        reason = unreadable if folder.exists() else "it does not exist"
         raise DataError(
             f"{folder} is not a model folder: {reason}; make one with placecue train out={folder}"
         ) from error
@@ -123,10 +124,15 @@ def _check_classes(classes: list[Any], path: Path) -> None:
 
 
 def _check_plugin(plugin: Any, path: Path) -> None:
-    if not isinstance(plugin, dict) or not all(isinstance(plugin.get(k), str) for k in _PLUGIN):
-        raise _damaged(path, f"each of its 'plugins' needs {', '.join(_PLUGIN)}")
+    if not isinstance(plugin, dict) or not all(_is_word(plugin.get(key)) for key in _PLUGIN):
+        raise _damaged(path, f"each of its 'plugins' needs {', '.join(_PLUGIN)}, in one word")
     if plugin["kind"] not in KINDS or plugin["kind"] in NOT_IN_MODELS:
         raise _damaged(path, f"no model is made of a {plugin['kind']!r:.80}")
+
+
+def _is_word(value: Any) -> bool:
+    """Tell whether a value is a name or version; messages tell people to install such."""
+    return isinstance(value, str) and re.fullmatch(r"[\w.+!-]{1,100}", value) is not None
 
 
 def _check_files(files: dict[str, Any], path: Path) -> None:

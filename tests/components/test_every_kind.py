@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.writer import Writer
+from omegaconf import OmegaConf
 
 from command_line import installed
 from placecue.components.hooks import KINDS
@@ -19,12 +20,12 @@ CLASSIFIER = "cues.sectors.classifier"
 
 
 @pytest.fixture(scope="module")
-def ran(python: Path, tmp_path_factory: pytest.TempPathFactory):  # type: ignore[no-untyped-def]
+def ran(wheel: Path, tmp_path_factory: pytest.TempPathFactory):  # type: ignore[no-untyped-def]
     """Run commands in one folder; each must succeed."""
     folder = tmp_path_factory.mktemp("everykind")
 
     def run(*words: str) -> Path:
-        done = installed(python, *words, PLACECUE_CACHE=str(folder / "cache"), PWD=str(folder))
+        done = installed(wheel, *words, PLACECUE_CACHE=str(folder / "cache"), PWD=str(folder))
         assert done.returncode == 0, done.stderr
         return folder
 
@@ -62,6 +63,33 @@ def test_every_kind_is_listed(python: Path) -> None:
     mine = [line.split() for line in listed.stdout.splitlines() if "placecue-everykind" in line]
     assert {row[0] for row in mine} == set(KINDS)
     assert all(row[-3:] == ["placecue-everykind", "0.7", "ok"] for row in mine)
+
+
+def test_options_are_made_that_choose_what_stands_inside(python: Path) -> None:
+    words = [
+        "cue=sectors",
+        f"classifier@{CLASSIFIER}=similar",
+        f"kernel@{CLASSIFIER}.kernel=laplace",
+        f"{CLASSIFIER}.kernel.gamma=0.25",
+        f"folds@{CLASSIFIER}.folds=odd_even",
+        "integrator=stacked",
+        "classifier@integrator.classifier=adaboost",
+        "folds=odd_even",
+        "folds.run=9",
+    ]
+    shown = installed(python, "train", *words, "--cfg", "job")
+    assert shown.returncode == 0, shown.stderr
+    config = OmegaConf.create(shown.stdout)
+    sectors = {
+        "plugin": "similar",
+        "kernel": {"plugin": "laplace", "gamma": 0.25},
+        "scaling": None,
+        "folds": {"plugin": "odd_even", "n_folds": 2, "run": 3},
+        "scale": 1.0,
+    }
+    assert config.cues == {"sectors": {"plugin": "sectors", "count": 6, "classifier": sectors}}
+    assert config.integrator.classifier.plugin == "adaboost"
+    assert config.folds == {"plugin": "odd_even", "n_folds": 2, "run": 9}
 
 
 def test_the_model_names_and_keeps_them(model: Path) -> None:

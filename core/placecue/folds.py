@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from placecue.errors import DataError, UsageError
+from placecue.errors import DataError, UsageError, described
 from placecue.estimator import Estimator
+from placecue.guard import call
 
 Rows = NDArray[np.int64]
 NANOSECONDS = 1_000_000_000
@@ -79,7 +82,8 @@ class FoldScheme(Estimator, ABC):
                 f"class '{alone}' has one sample only; cross-validation needs two or more of each "
                 "class: record more of it, or drop it"
             )
-        fold = self.assign(labels, stamps, groups)
+        check = partial(promised, n=len(labels), n_folds=self.n_folds)
+        fold = call(self, "assign", labels, stamps, groups, check=check)
         rows = np.arange(len(labels))
         empty = True
         for number in range(self.n_folds):
@@ -96,6 +100,18 @@ class FoldScheme(Estimator, ABC):
                 f"none of the {len(labels)} samples can be held out: no class is in two folds of "
                 f"{type(self).__name__}; give more samples, or choose other folds"
             )
+
+
+def promised(made: Any, n: int, n_folds: int) -> str | None:
+    """Check the fold of each of n samples: -1 (never held out) to ``n_folds`` - 1."""
+    if not isinstance(made, np.ndarray) or made.dtype.kind not in "iu":
+        what = f"an array of {made.dtype}" if isinstance(made, np.ndarray) else described(made)
+        return f"returned {what}, not whole numbers, shape ({n},)"
+    if made.shape != (n,):
+        return f"returned an array of shape {made.shape}, not ({n},)"
+    if n and (made.min() < -1 or made.max() >= n_folds):
+        return f"returned folds {made.min()} to {made.max()}, not -1 to {n_folds - 1}"
+    return None
 
 
 class InterleavedChunks(FoldScheme):

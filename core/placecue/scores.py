@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
+from functools import partial
 from itertools import combinations
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import DataError, UsageError
+from placecue.errors import DataError, UsageError, described
+from placecue.guard import call
 
 Values = NDArray[np.float64]
 
@@ -261,6 +263,17 @@ class OneAgainstOne(Layout):
         return np.asarray(won.min(axis=1))
 
 
+def promised(made: Any, n: int, classes: int) -> str | None:
+    """Check what ``Layout.decide`` makes of n rows."""
+    if not isinstance(made, Decision):
+        return f"returned {described(made)}, not a Decision"
+    for name, shape in (("labels", (n,)), ("confidence", (n,)), ("ranking", (n, classes))):
+        values = getattr(made, name)
+        if not isinstance(values, np.ndarray) or values.shape != shape:
+            return f"returned a Decision whose {name} are no array of shape {shape}"
+    return None
+
+
 @dataclass(frozen=True, slots=True)
 class Scores:
     """Real-valued outputs for n samples.
@@ -278,7 +291,9 @@ class Scores:
 
     def decide(self) -> Decision:
         """Apply the layout's own rule; see :meth:`Layout.decide`."""
-        return self.layout.decide(self.values)
+        check = partial(promised, n=len(self.values), classes=len(self.layout.classes))
+        decision: Decision = call(self.layout, "decide", self.values, check=check)
+        return decision
 
     def available(self) -> NDArray[np.bool_]:
         """Return which samples have scores, shape (n,); a missing one is a row of NaN."""

@@ -7,7 +7,7 @@ Each function returns None, or what is wrong, such as ``returned 1 row for 3 sam
 from __future__ import annotations
 
 from placecue.contracts.features import batch, features, finite
-from placecue.contracts.numbers import folds, gram, scaled, scores
+from placecue.contracts.numbers import gram, scaled, scores
 from placecue.contracts.observations import (
     camera,
     count,
@@ -21,6 +21,7 @@ from placecue.contracts.observations import (
 )
 from placecue.contracts.space import area_update, crossing, pose, semantic_map
 from placecue.errors import described
+from placecue.folds import promised as folds
 
 __all__ = [
     "area_update",

@@ -57,17 +57,6 @@ def scores(made: Any, n: int, layout: Layout | None = None, *, gaps: bool = Fals
     return wrong
 
 
-def folds(made: Any, n: int, n_folds: int) -> str | None:
-    """Check the fold of each of n samples: -1 (never held out) to ``n_folds`` - 1."""
-    if not isinstance(made, np.ndarray) or made.dtype.kind not in "iu":
-        return f"returned {array(made)}, not whole numbers, shape ({n},)"
-    if made.shape != (n,):
-        return f"returned an array of shape {made.shape}, not ({n},)"
-    if n and (made.min() < -1 or made.max() >= n_folds):
-        return f"returned folds {made.min()} to {made.max()}, not -1 to {n_folds - 1}"
-    return None
-
-
 def _floats(made: Any, shape: tuple[int, ...], what: str = "") -> str | None:
     if not isinstance(made, np.ndarray) or made.dtype.kind != "f":
         return f"returned {what}{array(made)}, not an array of floats"

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from sklearn.base import clone
 
+from placecue import contracts
 from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of, take
@@ -17,7 +19,7 @@ from placecue.folds import Rows
 from placecue.grams import current
 from placecue.guard import call
 from placecue.kernel import Gram, Kernel
-from placecue.scaling import Scaling
+from placecue.scaling import Matrix, Scaling
 from placecue_classifiers.grid import Setting
 
 
@@ -74,7 +76,7 @@ class Prepared:
         """
         fitted = fitted_scaling(_of_rows(features, rows), scaling)
         if fitted is not None:
-            features = call(fitted, "transform", np.asarray(features))
+            features = transformed(fitted, features)
         kernel = clone(kernel)
         try:
             kernel.check(features)
@@ -139,6 +141,15 @@ def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling |
     copy: Scaling = clone(scaling)
     call(copy, "fit", np.asarray(features))
     return copy
+
+
+def transformed(scaling: Scaling, features: FeatureBatch) -> Matrix:
+    """Return dense features scaled, shape (n, d), checked."""
+    dense = np.asarray(features)
+    scaled: Matrix = call(
+        scaling, "transform", dense, check=partial(contracts.scaled, shape=dense.shape)
+    )
+    return scaled
 
 
 def learns(kernel: Kernel, features: FeatureBatch) -> bool:

@@ -16,7 +16,7 @@ from placecue.errors import UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of
 from placecue.scaling import Scaling
 from placecue.scores import OneAgainstAll, Probabilities, Scores
-from placecue_classifiers.prepared import fitted_scaling
+from placecue_classifiers.prepared import fitted_scaling, transformed
 
 
 class ScikitLearn(Classifier):
@@ -171,7 +171,7 @@ class ScikitLearn(Classifier):
 
     def _prepared(self, features: FeatureBatch) -> FeatureBatch:
         if self.scaling_ is not None:
-            return self.scaling_.transform(np.asarray(features))
+            return transformed(self.scaling_, features)
         return features if self.columns_ is None else _only(features, self.columns_)
 
     def __sklearn_tags__(self) -> Any:

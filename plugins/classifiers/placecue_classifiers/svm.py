@@ -15,7 +15,6 @@ from placecue.errors import UsageError, choices
 from placecue.features import FeatureBatch, FeatureKind, take
 from placecue.folds import FoldScheme, Rows
 from placecue.grams import Known, current
-from placecue.guard import call
 from placecue.kernel import Gram, Kernel
 from placecue.progress import track
 from placecue.scaling import Scaling
@@ -26,7 +25,7 @@ from placecue_classifiers.convergence import told_once
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
 from placecue_classifiers.machines import Machines, Weights
 from placecue_classifiers.multiclass import LAYOUTS, Multiclass
-from placecue_classifiers.prepared import Prepared, learns, remembering
+from placecue_classifiers.prepared import Prepared, learns, remembering, transformed
 from placecue_classifiers.search import Folds, best_of, search
 from placecue_classifiers.weights import ClassWeight, check_class_weight, of_classes
 
@@ -176,7 +175,7 @@ class SVM(Classifier):
         """Return the V discriminant functions of n samples, shape (n, V), or probabilities."""
         features = self.samples(features)
         if self.scaling_ is not None:
-            features = call(self.scaling_, "transform", np.asarray(features))
+            features = transformed(self.scaling_, features)
         known = Known(self.support_features_, self.support_, self.samples_)
         gram = current().against(self.kernel_, features, known)
         values = Machines(self.coefficients_, self.intercepts_).decide(gram)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from placecue import contracts
 from placecue.errors import DataError, UsageError, choices
+from placecue.guard import call
 
 Rows = NDArray[np.int64]
 NANOSECONDS = 1_000_000_000
@@ -68,7 +71,8 @@ class FoldScheme(ABC):
                 f"class '{alone}' has one sample only; cross-validation needs two or more of each "
                 "class: record more of it, or drop it"
             )
-        fold = self.assign(labels, stamps)
+        check = partial(contracts.folds, n=len(labels), n_folds=self.n_folds)
+        fold = call(self, "assign", labels, stamps, check=check)
         rows = np.arange(len(labels))
         empty = True
         for number in range(self.n_folds):

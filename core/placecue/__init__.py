@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from placecue.accumulator import Accumulator, Boundary
+    from placecue.accumulator import Accumulator, AreaUpdate, Boundary
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
     from placecue.classifier import Classifier
@@ -42,13 +42,13 @@ if TYPE_CHECKING:
         Probabilities,
         Scores,
     )
-    from placecue.semantic_map import Area, AreaUpdate, Node, SemanticMap
+    from placecue.semantic_map import Area, Node, SemanticMap
     from placecue.source import Source
 
 __version__ = "0.1.0"
 
 _MODULES = {
-    "accumulator": ("Accumulator", "Boundary"),
+    "accumulator": ("Accumulator", "AreaUpdate", "Boundary"),
     "belief": ("Belief",),
     "camera": ("PinholeCamera",),
     "classifier": ("Classifier",),
@@ -74,7 +74,7 @@ _MODULES = {
         "Probabilities",
         "Scores",
     ),
-    "semantic_map": ("Area", "AreaUpdate", "Node", "SemanticMap"),
+    "semantic_map": ("Area", "Node", "SemanticMap"),
     "source": ("Source",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

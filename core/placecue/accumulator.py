@@ -3,36 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import ClassVar
 
 from sklearn.base import BaseEstimator
 
 from placecue.belief import Belief
 from placecue.observation import Observation, Pose2D
+from placecue.semantic_map import AreaUpdate as AreaUpdate
 from placecue.semantic_map import SemanticMap
-
-
-@dataclass(frozen=True, slots=True)
-class AreaUpdate:
-    """What an accumulator says after an observation that changed its mind.
-
-    Parameters
-    ----------
-    area : int
-        Number of the area.
-    label : str
-        Its class as of now, or ``unknown``.
-    confidence : float
-        Confidence of the accumulated belief.
-    finished : bool
-        Whether the robot has left the area.
-    """
-
-    area: int
-    label: str
-    confidence: float
-    finished: bool = False
 
 
 class Boundary(BaseEstimator, ABC):  # type: ignore[misc]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
@@ -12,9 +11,10 @@ from sklearn.base import clone
 from placecue import contracts
 from placecue.classifier import Classifier
 from placecue.cue import Cue
+from placecue.errors import described
 from placecue.features import FeatureBatch, n_samples
 from placecue.folds import FoldScheme
-from placecue.guard import call
+from placecue.guard import call, step
 from placecue.progress import track
 from placecue.scores import Layout, Scores
 from placecue.training_set import TrainingSet
@@ -78,10 +78,24 @@ class CueModel:
         """
         splits = track(training.split(folds), f"{name}: out-of-fold scores")
         values = np.full((len(training), len(self.layout.columns)), np.nan)
-        parts: Iterable[Any] = call(self.classifier, "out_of_fold", training, splits)
-        for rows, scores in parts:
-            values[rows] = scores.values
-        return Scores(values, self.layout)
+        parts = iter(call(self.classifier, "out_of_fold", training, splits))
+        while True:
+            part = step(self.classifier, "out_of_fold", next, parts, None, check=self._fold)
+            if part is None:
+                return Scores(values, self.layout)
+            values[part[0]] = part[1].values
+
+    def _fold(self, made: Any) -> str | None:
+        """Check what ``out_of_fold`` yields: held-out rows with their scores."""
+        if made is None:
+            return None
+        if not isinstance(made, tuple) or len(made) != 2:
+            return f"yielded {described(made)}, not held-out rows and their scores"
+        wrong = contracts.scores(made[1], len(made[0]))
+        columns = made[1].values.shape[1] if wrong is None else 0
+        if wrong is None and columns != len(self.layout.columns):
+            wrong = f"yielded scores of {columns} columns, not {len(self.layout.columns)}"
+        return wrong
 
     def unfitted(self) -> CueModel:
         """Return a copy that has learned nothing, with the same parameters."""

@@ -194,7 +194,8 @@ class ObservedEvidence(Evidence):
         """Return the scores of one observation that are there so far, one row a cue."""
         at = [row]
         return {
-            cue: Scores(self._values[cue][at], self._model(cue).layout) for cue in self.used(row)
+            cue: Scores(self._values[cue][at], self._model(cue).layout).read_only()
+            for cue in self.used(row)
         }
 
     def reason(self, row: int) -> UnusableObservation:

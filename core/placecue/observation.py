@@ -288,6 +288,9 @@ class Observation:
             "relabelled()"
         )
 
+    def __delattr__(self, name: str) -> Never:
+        raise AttributeError(f"observations are read-only, so {name} cannot be deleted")
+
     @property
     def image(self) -> Image | None:
         """The image, decoded on first use; None where there is none.

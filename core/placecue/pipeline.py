@@ -153,7 +153,7 @@ class Pipeline:
                 continue
             yield Belief(
                 stamp=observation.stamp,
-                scores=scores[row : row + 1],
+                scores=scores[row : row + 1].read_only(),
                 label=str(labels[decided[row]]),
                 confidence=float(decision.confidence[decided[row]]),
                 cue_scores=evidence.scores_at(row),

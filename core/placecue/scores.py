@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from placecue.errors import DataError, UsageError, described
 from placecue.guard import call
+from placecue.read_only import read_only
 
 Values = NDArray[np.float64]
 
@@ -298,6 +299,10 @@ class Scores:
     def available(self) -> NDArray[np.bool_]:
         """Return which samples have scores, shape (n,); a missing one is a row of NaN."""
         return np.asarray(~np.isnan(self.values).any(axis=1))
+
+    def read_only(self) -> Scores:
+        """Return the same scores such that nothing can write into them."""
+        return Scores(read_only(self.values), self.layout)
 
     def __len__(self) -> int:
         return len(self.values)

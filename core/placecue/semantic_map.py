@@ -64,6 +64,28 @@ class Area:
 
 
 @dataclass(frozen=True, slots=True)
+class AreaUpdate:
+    """What an accumulator says after an observation that changed its mind.
+
+    Parameters
+    ----------
+    area : int
+        Number of the area.
+    label : str
+        Its class as of now, or ``unknown``.
+    confidence : float
+        Confidence of the accumulated belief.
+    finished : bool
+        Whether the robot has left the area.
+    """
+
+    area: int
+    label: str
+    confidence: float
+    finished: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class SemanticMap:
     """Areas with labels, nodes on which the robot was, and edges between the nodes.
 

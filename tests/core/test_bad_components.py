@@ -1,9 +1,11 @@
 """Cues, accumulators and boundaries that misbehave where the pipeline calls them."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from misbehaving import MISDEEDS, interrupt
 from placecue import (
@@ -12,6 +14,7 @@ from placecue import (
     Belief,
     Boundary,
     Cue,
+    FoldScheme,
     Observation,
     Pipeline,
     Pose2D,
@@ -184,3 +187,34 @@ def test_a_cue_that_writes_changes_nothing_and_is_named(cue: Cue, said: str) -> 
         assert (each.image == image).all()
         assert (each.scan.ranges == ranges).all()
         assert each.label == label
+
+
+# ---------------------------------------------------------------------- folds
+
+
+@dataclass(frozen=True, slots=True)
+class FaultyFolds(FoldScheme):
+    """Does something else where samples are dealt to folds."""
+
+    deed: Any = None
+
+    def assign(self, labels: ArrayLike, stamps: ArrayLike | None = None, *more: Any) -> Any:
+        return self.deed()
+
+
+@pytest.mark.parametrize(
+    ("deed", "said"),
+    [
+        (MISDEEDS["raises"][0], "failed: ValueError: two lines"),
+        (MISDEEDS["leaves"][0], "failed: SystemExit: 3"),
+        (lambda: [0, 1], r"returned a list, not whole numbers, shape \(320,\)"),
+        (lambda: np.zeros(3, int), r"returned an array of shape \(3,\), not \(320,\)"),
+        (lambda: np.full(320, 5), "returned folds 5 to 5, not -1 to 4"),
+    ],
+)
+def test_folds_that_misbehave_are_one_line(deed: Any, said: str) -> None:
+    made = pipeline()
+    made.folds = FaultyFolds(deed=deed)
+    who = rf"folds FaultyFolds \({__name__}\)"
+    with pytest.raises(ComponentError, match=f"^{who}: assign {said}$"):
+        made.fit(Walk())

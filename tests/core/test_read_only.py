@@ -105,6 +105,8 @@ def test_opencv_does_not_draw_into_it() -> None:
 def test_no_part_can_be_replaced(part: str) -> None:
     with pytest.raises(AttributeError, match=f"read-only, so {part} cannot be set"):
         setattr(_observed(), part, None)
+    with pytest.raises(AttributeError, match=f"read-only, so {part} cannot be deleted"):
+        delattr(_observed(), part)
 
 
 def test_no_part_of_a_scan_can_be_replaced() -> None:

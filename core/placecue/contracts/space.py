@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from placecue.accumulator import AreaUpdate
 from placecue.contracts.words import fields, number, whole
 from placecue.errors import described
 from placecue.observation import Pose2D
-from placecue.semantic_map import Area, Node, SemanticMap
+from placecue.semantic_map import Area, AreaUpdate, Node, SemanticMap
 
 
 def area_update(made: Any) -> str | None:

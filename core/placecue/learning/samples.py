@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import clone
 
+from placecue import contracts
 from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.extraction import BATCH, Extraction, batched
 from placecue.features import FeatureBatch, join, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.guard import step
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
 from placecue.skipped import Skipped
@@ -115,7 +117,10 @@ class Samples:
 
     def _seen_by(self, cue: Cue) -> TrainingSet:
         transform, reread = self.extraction.transform, self.reread()
-        copies = (transform(cue, map(augment, reread)) for augment in cue.augmentations())
+        copies = (
+            transform(cue, map(partial(augmented, cue, augment), reread))
+            for augment in cue.augmentations()
+        )
         seen = self._set(transform(cue, reread), *copies)
         return replace(seen, relearn=partial(self.relearned, cue))
 
@@ -137,6 +142,13 @@ class Reread:
         return (each for number, each in enumerate(self.observations) if number in wanted)
 
 
+def augmented(cue: Cue, augment: Augmentation, observation: Observation) -> Observation:
+    """Return what an augmentation of a cue makes of an observation, checked."""
+    check = contracts.observation
+    made: Observation = step(cue, "augmentation", augment, observation, check=check, at=observation)
+    return made
+
+
 class _Gathered:
     """The features of one cue and of its augmentations, batch after batch."""
 
@@ -152,7 +164,9 @@ class _Gathered:
         found = []
         failed: dict[int, UnusableObservation] = {}
         for augment in self.views:
-            seen = observations if augment is None else [*map(augment, observations)]
+            seen = observations
+            if augment is not None:
+                seen = [augmented(self.cue, augment, each) for each in observations]
             extracted = self.extraction.extract(self.cue, seen, skip=self.skip)
             found.append((extracted.rows, extracted.features))
             failed |= extracted.failed

@@ -67,8 +67,8 @@ def test_ordinary_machines_are_far_from_the_limit(caplog: pytest.LogCaptureFixtu
     for kernel in (RBF(0.05), Linear()):
         SVM(kernel, C=100.0, scaling="standard").fit(features, labels)
     assert warned(caplog) == []
-    assert convergence.iteration_limit(80) == 5_000_000
-    assert convergence.iteration_limit(20_000) == 20_000_000
+    assert convergence.iteration_limit(80) == 2_000_000
+    assert convergence.iteration_limit(20_000) == 10_000_000
 
 
 @pytest.mark.usefixtures("few_iterations")

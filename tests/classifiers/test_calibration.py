@@ -6,7 +6,15 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.calibration import CalibratedClassifierCV, calibration_curve
 from sklearn.frozen import FrozenEstimator
 
-from placecue import DataError, OneAgainstAll, OneAgainstOne, Probabilities, Scores, UsageError
+from placecue import (
+    DataError,
+    OneAgainstAll,
+    OneAgainstOne,
+    Probabilities,
+    Scores,
+    Shuffled,
+    UsageError,
+)
 from placecue.evaluation.reliability import draw_reliability, reliability
 from placecue.folds import InterleavedChunks
 from placecue_classifiers.calibration import calibrators, coupled, probabilities
@@ -67,7 +75,7 @@ def test_coupling_bears_certainty() -> None:
 def test_probabilities_are_calibrated_on_unseen_samples(
     seen: Blobs, unseen: Blobs, multiclass: str, method: str
 ) -> None:
-    folds = {"scheme": "shuffled"}
+    folds = Shuffled()
     svm = SVM(RBF(0.01), C=1.0, multiclass=multiclass, probability=method, folds=folds).fit(*seen)
     scores = svm.scores(unseen[0])
     assert isinstance(scores.layout, Probabilities)

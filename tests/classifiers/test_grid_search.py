@@ -12,7 +12,7 @@ from sklearn.metrics import balanced_accuracy_score
 from sklearn.naive_bayes import GaussianNB
 
 from command_line import succeeds
-from placecue import Blocks, DataError, UsageError
+from placecue import Blocks, ByLog, DataError, UsageError
 from placecue.evidence import OutOfFold
 from placecue.learning.samples import CueSamples
 from placecue_classifiers.adaboost import AdaBoost
@@ -23,7 +23,7 @@ from placecue_kernels.rbf import RBF
 from rooms import Rooms, write_log
 
 Samples = tuple[np.ndarray, np.ndarray]
-BLOCKS = {"scheme": "blocks", "n_folds": 3}
+BLOCKS = Blocks(n_folds=3)
 
 
 def test_finds_what_an_exhaustive_loop_finds(seen: Samples) -> None:
@@ -57,7 +57,7 @@ def test_a_class_that_is_never_held_out_is_not_scored(seen: Samples) -> None:
     order = np.argsort(later, kind="stable")
     features, labels, later = features[order], labels[order], later[order]
     stamps = (np.arange(len(labels)) + 3600 * later) * 10**9
-    folds = {"scheme": "by_log", "only_last": True}
+    folds = ByLog(only_last=True)
     points = {"C": [0.1, 100.0], "gamma": [1e-3, 0.3]}
     own = SVM(kernel=RBF(), search=points, folds=folds).fit(features, labels, stamps)
     grid = {"C": [0.1, 100.0], "kernel__gamma": [1e-3, 0.3]}
@@ -121,7 +121,7 @@ def test_out_of_fold_scores_search_no_more(seen: Samples) -> None:
         ({"search": {"rounds": 5}}, "search.rounds must be a list of values to try, got 5"),
         ({"search": {"rounds": []}}, "search.rounds must be a list of values to try"),
         ({"search": {"criterion": "gini"}}, "must be a list of values to try, got 'gini'"),
-        ({"folds": {"scheme": "block"}}, "did you mean 'blocks'?"),
+        ({"folds": Blocks(n_folds=1)}, "folds.n_folds must be 2 or more, got 1"),
     ],
 )
 def test_wrong_parameters_are_named(seen: Samples, parameters: dict[str, Any], said: str) -> None:

@@ -15,7 +15,17 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
-from placecue import Blocks, DataError, OneAgainstAll, progress
+from placecue import (
+    Blocks,
+    ByLog,
+    DataError,
+    OneAgainstAll,
+    QuantileScaling,
+    RangeScaling,
+    Scaling,
+    StandardScaling,
+    progress,
+)
 from placecue.classifier import Classifier
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.calibration import calibrators
@@ -27,7 +37,7 @@ from placecue_kernels.linear import Linear
 from placecue_kernels.rbf import RBF
 
 Samples = tuple[np.ndarray, np.ndarray]
-BLOCKS = {"scheme": "blocks", "n_folds": 4}
+BLOCKS = Blocks(n_folds=4)
 
 
 class Stretched:
@@ -64,8 +74,8 @@ def pooled(peer: Any, cue: Stretched, labels: np.ndarray) -> float:
     return float(balanced_accuracy_score(labels, predicted))
 
 
-@pytest.mark.parametrize("scaling", [None, "standard"])
-def test_points_of_an_svm_are_those_of_scikit_learn(seen: Samples, scaling: str | None) -> None:
+@pytest.mark.parametrize("scaling", [None, StandardScaling()])
+def test_points_of_an_svm_are_those_of_scikit_learn(seen: Samples, scaling: Scaling | None) -> None:
     features, labels = seen
     cue = Stretched(features)
     search = {"C": [0.1, 1.0, 10.0], "gamma": [0.1, 1.0]}
@@ -105,7 +115,7 @@ def test_scaling_and_kernel_learn_from_the_training_rows_of_each_fold(seen: Samp
     features, labels = seen
     cue = Stretched(features)
     Noting.fitted_on.clear()
-    svm = SVM(Noting(), search={"C": [1.0, 10.0]}, scaling="standard", folds=BLOCKS)
+    svm = SVM(Noting(), search={"C": [1.0, 10.0]}, scaling=StandardScaling(), folds=BLOCKS)
     svm.fit_on_learned(cue.everything(), labels, None, cue)
     rows = [training for training, _ in splits(labels)]
     expected = [StandardScaler().fit_transform(cue(each)[each]) for each in rows]
@@ -119,7 +129,7 @@ def test_every_parameter_is_searched_in_features_of_the_fold(seen: Samples, kern
     features, labels = seen
     cue = Stretched(features)
     gamma = "gamma" if isinstance(kernel, RBF) else "kernel__kernels__0__gamma"
-    tried = {"scaling": ["standard", "range"], gamma: [0.01, 3.0], "C": [0.1, 10.0]}
+    tried = {"scaling": [StandardScaling(), RangeScaling()], gamma: [0.01, 3.0], "C": [0.1, 10.0]}
     svm = SVM(kernel, search=tried, folds=BLOCKS).fit_on_learned(
         cue.everything(), labels, None, cue
     )
@@ -138,10 +148,10 @@ def test_every_parameter_is_searched_in_features_of_the_fold(seen: Samples, kern
 def test_calibrated_with_what_was_chosen(seen: Samples) -> None:
     features, labels = seen
     cue = Stretched(features)
-    search = {"gamma": [0.5], "C": [3.0], "scaling": ["standard"]}
+    search = {"gamma": [0.5], "C": [3.0], "scaling": [StandardScaling()]}
     svm = SVM(RBF(100.0), search=search, probability="sigmoid", folds=BLOCKS)
     svm.fit_on_learned(cue.everything(), labels, None, cue)
-    plain = SVM(RBF(0.5), C=3.0, scaling="standard", probability="sigmoid", folds=BLOCKS)
+    plain = SVM(RBF(0.5), C=3.0, scaling=StandardScaling(), probability="sigmoid", folds=BLOCKS)
     plain.fit_on_learned(cue.everything(), labels, None, cue)
     assert np.array_equal(np.array(svm.calibrators_), np.array(plain.calibrators_))
 
@@ -178,7 +188,7 @@ def test_trained_on_the_first_sequence(seen: Samples, unseen: Samples) -> None:
     first = len(seen[1])
     stamps = (np.arange(len(labels)) + 7200 * (np.arange(len(labels)) >= first)) * 10**9
     cue = Stretched(features)
-    folds = {"scheme": "by_log", "only_last": True}
+    folds = ByLog(only_last=True)
     svm = SVM(RBF(1.0), search={"C": [0.1, 1.0, 10.0]}, folds=folds, refit=False)
     svm.fit_on_learned(cue.everything(), labels, stamps, cue)
     [asked] = cue.calls
@@ -210,7 +220,7 @@ def test_grid_search_finds_what_a_loop_finds(seen: Samples) -> None:
 def test_folds_inside_folds_learn_from_their_own_rows(seen: Samples) -> None:
     features, labels = seen
     cue = Stretched(features)
-    inner = SVM(RBF(1.0), probability="sigmoid", folds={"scheme": "blocks", "n_folds": 2})
+    inner = SVM(RBF(1.0), probability="sigmoid", folds=Blocks(n_folds=2))
     search = GridSearch(inner, {"C": [1.0, 10.0]}, BLOCKS)
     search.fit_on_learned(cue.everything(), labels, None, cue)
     expected = []
@@ -226,7 +236,7 @@ def test_folds_inside_folds_are_cut_along_the_stamps(seen: Samples) -> None:
     log = np.arange(len(labels)) // len(seen[1])
     stamps = (np.arange(len(labels)) + 7200 * log) * 10**9
     cue = Stretched(features)
-    inner = SVM(RBF(1.0), probability="sigmoid", folds={"scheme": "by_log"})
+    inner = SVM(RBF(1.0), probability="sigmoid", folds=ByLog())
     told: list[tuple[str, int]] = []
 
     def report(items: Any, what: str, total: int) -> Any:
@@ -235,7 +245,7 @@ def test_folds_inside_folds_are_cut_along_the_stamps(seen: Samples) -> None:
 
     token = progress._reporter.set(report)
     try:
-        search = GridSearch(inner, {"C": [1.0, 10.0]}, {"scheme": "by_log", "n_folds": 3})
+        search = GridSearch(inner, {"C": [1.0, 10.0]}, ByLog(n_folds=3))
         search.fit_on_learned(cue.everything(), labels, stamps, cue)
     finally:
         progress._reporter.reset(token)
@@ -269,7 +279,7 @@ def memorised(rows: np.ndarray, labels: np.ndarray) -> np.ndarray:
     "classifier",
     [
         SVM(RBF(1.0), search={"C": [1.0, 100.0], "gamma": [0.1, 1.0]}),
-        SVM(RBF(1.0), search={"C": [1.0, 100.0], "scaling": ["quantiles", "range"]}),
+        SVM(RBF(1.0), search={"C": [1.0, 100.0], "scaling": [QuantileScaling(), RangeScaling()]}),
         GridSearch(AdaBoost(), {"rounds": [5, 20]}),
     ],
     ids=["svm", "scaled", "grid_search"],

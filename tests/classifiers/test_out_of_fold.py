@@ -7,7 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from placecue import Blocks, DescriptorSets, FeatureBatch, InterleavedChunks, Kernel
+from placecue import (
+    Blocks,
+    DescriptorSets,
+    FeatureBatch,
+    InterleavedChunks,
+    Kernel,
+    QuantileScaling,
+)
 from placecue.classifier import Classifier
 from placecue.evidence import OutOfFold
 from placecue.learning.samples import CueSamples
@@ -74,7 +81,7 @@ def test_equals_copies_fitted_in_each_fold(
 @pytest.mark.parametrize("probability", ["sigmoid", "isotonic"])
 def test_probabilities_are_calibrated_inside_each_fold(seen: Samples, probability: str) -> None:
     features, labels = seen
-    folds = {"scheme": "blocks", "n_folds": 3}
+    folds = Blocks(n_folds=3)
     svm = SVM(kernel=RBF(0.01), probability=probability, folds=folds).fit(features, labels)
     shared, anew = both_ways(svm, features, labels)
     np.testing.assert_allclose(shared, anew, rtol=0, atol=1e-4)
@@ -111,7 +118,7 @@ def test_the_gram_matrix_is_computed_once_for_all_folds(seen: Samples) -> None:
 @pytest.mark.parametrize(
     "svm",
     [
-        SVM(kernel=RBF(0.01), scaling="quantiles"),
+        SVM(kernel=RBF(0.01), scaling=QuantileScaling()),
         SVM(kernel=HistogramIntersection()),
         SVM(kernel=Sum([RBF(0.01), HistogramIntersection()])),
     ],

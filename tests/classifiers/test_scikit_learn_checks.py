@@ -5,6 +5,7 @@ from typing import Any
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from classifiers.checks import cannot_apply
+from placecue import StandardScaling
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.scikit_learn import ScikitLearn
@@ -18,7 +19,7 @@ CLASSIFIERS = [
     SVM(kernel=RBF(gamma=0.5), multiclass="oao"),
     SVM(kernel=RBF(gamma=0.5), multiclass="modified_oaa"),
     SVM(kernel=RBF(gamma=0.5), multiclass="oao", probability="isotonic"),
-    SVM(kernel=RBF(), search={"C": [1, 100], "gamma": [0.1, 0.5]}, scaling="standard"),
+    SVM(kernel=RBF(), search={"C": [1, 100], "gamma": [0.1, 0.5]}, scaling=StandardScaling()),
     SVM(kernel=HistogramIntersection()),
     SVM(kernel=Linear()),
     AdaBoost(rounds=20),

@@ -9,9 +9,18 @@ from sklearn.metrics import balanced_accuracy_score
 from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
-from placecue import DataError, OneAgainstOne, UsageError, progress
+from placecue import (
+    Blocks,
+    ByLog,
+    DataError,
+    InterleavedChunks,
+    OneAgainstOne,
+    RangeScaling,
+    StandardScaling,
+    UsageError,
+    progress,
+)
 from placecue.evaluation.search_figure import draw_search, search_rows, search_table
-from placecue.folds import Blocks
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.linear import Linear
@@ -40,7 +49,7 @@ def test_every_combination_is_tried_and_the_best_is_taken(seen: Blobs) -> None:
         "multiclass": ["oaa", "oao", "modified_oaa"],
         "C": [1, 100],
         "gamma": [0.001, 0.01],
-        "scaling": [None, "standard"],
+        "scaling": [None, StandardScaling()],
         "class_weight": ["balanced", None],
     }
     svm = SVM(RBF(), search=tried).fit(*seen)
@@ -58,7 +67,7 @@ def test_every_combination_is_tried_and_the_best_is_taken(seen: Blobs) -> None:
 @pytest.mark.parametrize("multiclass", ["oaa", "oao"])
 def test_points_are_those_of_scikit_learn_in_the_same_folds(seen: Blobs, multiclass: str) -> None:
     features, labels = seen
-    folds = {"scheme": "blocks", "n_folds": 4}
+    folds = Blocks(n_folds=4)
     costs, gammas = [1.0, 10.0, 100.0], [0.003, 0.03]
     search = {"C": costs, "gamma": gammas}
     svm = SVM(RBF(), multiclass=multiclass, search=search, folds=folds).fit(features, labels)
@@ -95,14 +104,14 @@ def test_a_kernel_without_gamma_is_computed_once(seen: Blobs) -> None:
             return super().gram(a, b)
 
     tried = {"C": [0.01, 0.1, 1.0], "multiclass": ["oaa", "oao"]}
-    svm = SVM(Counted(), search=tried, probability="isotonic", scaling="standard").fit(*seen)
+    svm = SVM(Counted(), search=tried, probability="isotonic", scaling=StandardScaling()).fit(*seen)
     assert len(made) == 1
     svm.scores(seen[0])
     assert len(made) == 2
 
 
 def test_a_kernel_without_gamma_is_searched_for_its_other_parameters(seen: Blobs) -> None:
-    svm = SVM(Linear(), search={"C": [0.01, 1.0]}, scaling="standard").fit(*seen)
+    svm = SVM(Linear(), search={"C": [0.01, 1.0]}, scaling=StandardScaling()).fit(*seen)
     assert list(svm.search_) == ["C", "balanced_accuracy"]
     with pytest.raises(UsageError, match="cannot vary 'kernel__power'"):
         SVM(Linear(), search={"kernel__power": [2]}).fit(*seen)
@@ -117,7 +126,7 @@ def test_progress_is_told_of(seen: Blobs) -> None:
 
     token = progress._reporter.set(report)
     try:
-        tried = {"C": [1, 100], "gamma": [0.001, 0.01, 0.1], "scaling": ["range", None]}
+        tried = {"C": [1, 100], "gamma": [0.001, 0.01, 0.1], "scaling": [RangeScaling(), None]}
         SVM(RBF(), search=tried, probability="isotonic").fit(*seen)
     finally:
         progress._reporter.reset(token)
@@ -138,7 +147,7 @@ def test_parameters_are_picked_on_the_second_sequence(seen: Blobs, unseen: Blobs
     first, second = np.arange(len(seen[1])), np.arange(len(unseen[1]))
     stamps = np.concatenate([first, second + 7200]) * SECOND
     costs = [0.1, 1.0, 10.0, 100.0]
-    folds = {"scheme": "by_log", "only_last": True}
+    folds = ByLog(only_last=True)
     svm = SVM(RBF(0.01), search={"C": costs}, folds=folds).fit(features, labels, stamps)
     for cost, accuracy in zip(costs, svm.search_["balanced_accuracy"], strict=True):
         peer = OneVsRestClassifier(SVC(gamma=0.01, C=cost, class_weight="balanced")).fit(*seen)
@@ -155,7 +164,7 @@ def test_trained_on_the_first_sequence_picked_on_the_second(
     first, second = np.arange(len(seen[1])), np.arange(len(unseen[1]))
     stamps = np.concatenate([first, second + 7200]) * SECOND
     tried = {"C": [0.1, 1.0, 10.0], "gamma": [0.001, 0.01]}
-    both = {"multiclass": multiclass, "folds": {"scheme": "by_log", "only_last": True}}
+    both = {"multiclass": multiclass, "folds": ByLog(only_last=True)}
     svm = SVM(RBF(), search=tried, refit=False, **both).fit(features, labels, stamps)
     alone = SVM(RBF(svm.kernel_.gamma), C=svm.C_, multiclass=multiclass).fit(*seen)
     assert svm.scores(unseen[0]).values == pytest.approx(alone.scores(unseen[0]).values, abs=1e-9)
@@ -211,7 +220,9 @@ def test_bad_samples_are_named(seen: Blobs) -> None:
     with pytest.raises(DataError, match="is not finite: they are too large"):
         SVM(RBF()).fit(features * 1e200, labels)
     few = np.concatenate([np.flatnonzero(labels == name)[:2] for name in np.unique(labels)])
-    small = SVM(RBF(), search=tried, folds={"n_folds": 5}).fit(features[few], labels[few])
+    small = SVM(RBF(), search=tried, folds=InterleavedChunks(n_folds=5)).fit(
+        features[few], labels[few]
+    )
     assert len(small.search_["C"]) == 1
     with pytest.raises(UsageError, match="takes dense vector, got sparse histogram"):
         SVM(RBF()).fit(sparse.csr_array(features), labels)

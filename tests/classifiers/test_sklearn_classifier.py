@@ -10,7 +10,17 @@ from sklearn.ensemble import BaggingClassifier, RandomForestClassifier
 from sklearn.linear_model import RidgeClassifier
 from sklearn.tree import DecisionTreeClassifier
 
-from placecue import DataError, DescriptorSets, OneAgainstAll, Pipeline, Probabilities, UsageError
+from placecue import (
+    Blocks,
+    DataError,
+    DescriptorSets,
+    OneAgainstAll,
+    Pipeline,
+    Probabilities,
+    RangeScaling,
+    StandardScaling,
+    UsageError,
+)
 from placecue import estimators as allowed
 from placecue.storage.model import load_model, save_model
 from placecue_classifiers.adaboost import AdaBoost
@@ -69,12 +79,14 @@ def test_sparse_histograms_lose_their_empty_columns(seen: Blobs) -> None:
     "classifier",
     [
         ScikitLearn(params={"n_estimators": 10}),
-        ScikitLearn("sklearn.neural_network.MLPClassifier", {"max_iter": 300}, scaling="standard"),
+        ScikitLearn(
+            "sklearn.neural_network.MLPClassifier", {"max_iter": 300}, scaling=StandardScaling()
+        ),
         AdaBoost(rounds=10),
         AdaBoost(rounds=10, output="probability"),
         SVM(kernel=RBF(0.1), probability="sigmoid", multiclass="oao"),
         SVM(kernel=RBF(0.1), probability="isotonic", multiclass="modified_oaa"),
-        SVM(RBF(), search={"C": [1.0], "scaling": ["range", None]}, folds={"scheme": "blocks"}),
+        SVM(RBF(), search={"C": [1.0], "scaling": [RangeScaling(), None]}, folds=Blocks()),
     ],
     ids=lambda each: type(each).__name__,
 )

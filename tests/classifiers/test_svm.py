@@ -10,11 +10,16 @@ from sklearn.multiclass import OneVsRestClassifier
 from sklearn.svm import SVC
 
 from placecue import (
+    Blocks,
     DataError,
     InterleavedChunks,
     Kernel,
     OneAgainstAll,
     OneAgainstOne,
+    QuantileScaling,
+    RangeScaling,
+    Scaling,
+    StandardScaling,
     UsageError,
 )
 from placecue_classifiers.machines import one_against_all, one_against_one
@@ -149,8 +154,10 @@ def test_scikit_learn_contract(blobs: tuple[np.ndarray, np.ndarray]) -> None:
     assert search.best_score_ > 0.5
 
 
-@pytest.mark.parametrize("scaling", ["range", "standard", "quantiles"])
-def test_scaling_is_learned_in_training(blobs: tuple[np.ndarray, np.ndarray], scaling: str) -> None:
+@pytest.mark.parametrize("scaling", [RangeScaling(), StandardScaling(), QuantileScaling()])
+def test_scaling_is_learned_in_training(
+    blobs: tuple[np.ndarray, np.ndarray], scaling: Scaling
+) -> None:
     features, codes = blobs
     svm = SVM(kernel=RBF(gamma=0.2), scaling=scaling).fit(features, NAMES[codes])
     single = svm.scores(features[:1]).values
@@ -165,11 +172,10 @@ def test_scaling_is_learned_in_training(blobs: tuple[np.ndarray, np.ndarray], sc
         ({"class_weight": {"lab": -1}}, "class_weight.lab must be a number above 0"),
         ({"class_weight": {"labs": 2}}, "did you mean 'lab'"),
         ({"probability": "platt"}, "probability 'platt'.*isotonic, sigmoid, or null"),
-        ({"folds": {"scheme": "random"}}, "unknown fold scheme 'random'"),
-        ({"folds": {"n_fold": 3}}, "did you mean 'n_folds'"),
+        ({"folds": Blocks(n_folds=1)}, "folds.n_folds must be 2 or more, got 1"),
         ({"kernel": None}, "needs a kernel"),
         ({"C": 0.0}, "C must be above 0"),
-        ({"scaling": "rang"}, "did you mean 'range'"),
+        ({"scaling": "rang"}, "scaling must be a Scaling, such as QuantileScaling.., got 'rang'"),
         ({"search": {"c": [1]}}, "cannot vary 'c'"),
         ({"search": {"C": []}}, "list of values"),
         ({"search": {"C": 3}}, "list of values"),

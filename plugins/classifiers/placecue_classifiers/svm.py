@@ -348,6 +348,8 @@ class SVM(Classifier):
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")
         if self.folds is not None:
+            if not isinstance(self.folds, FoldScheme):
+                raise UsageError(f"folds must be a FoldScheme, such as Blocks(), got {self.folds}")
             self.folds.check_parameters()
         if not (self.refit or self.search):
             raise UsageError("refit=false keeps what a search held out: give search, or refit=true")

@@ -5,15 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from sklearn.base import BaseEstimator
-
 from placecue.belief import Belief
+from placecue.estimator import Estimator
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import AreaUpdate as AreaUpdate
 from placecue.semantic_map import SemanticMap
 
 
-class Boundary(BaseEstimator, ABC):  # type: ignore[misc]
+class Boundary(Estimator, ABC):
     """Says where one area ends, one observation at a time.
 
     Attributes
@@ -39,7 +38,7 @@ class Boundary(BaseEstimator, ABC):  # type: ignore[misc]
         """Forget everything, as before the first observation."""
 
 
-class Accumulator(BaseEstimator, ABC):  # type: ignore[misc]
+class Accumulator(Estimator, ABC):
     """Gathers beliefs over time and space; owns bins, areas and the navigation graph.
 
     One pass, one observation at a time; memory grows with the space seen, not with time.

@@ -10,12 +10,13 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
-from sklearn.base import BaseEstimator, ClassifierMixin, clone
+from sklearn.base import ClassifierMixin
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import column_or_1d, validate_data
 
 from placecue.errors import DataError, UsageError
+from placecue.estimator import Estimator, clone
 from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, spoilt_rows, take
 from placecue.folds import Rows
 from placecue.scores import Layout, Scores
@@ -30,7 +31,7 @@ class WrongKind(UsageError, ValueError):
     """Features of a kind that a classifier cannot take; scikit-learn expects a ValueError."""
 
 
-class Classifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
+class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
     """Scores the features of one cue: a scikit-learn classifier.
 
     No logic in ``__init__``; what is learned ends in ``_`` and is plain data (arrays, numbers,

@@ -6,9 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ClassVar, Self, TypeAlias
 
-from sklearn.base import BaseEstimator
-
 from placecue import contracts
+from placecue.estimator import Estimator
 from placecue.features import FeatureBatch, Features, stack
 from placecue.guard import call
 from placecue.observation import Observation, Part
@@ -17,7 +16,7 @@ from placecue.observation import Observation, Part
 Augmentation: TypeAlias = Callable[[Observation], Observation]
 
 
-class Cue(BaseEstimator, ABC):  # type: ignore[misc]
+class Cue(Estimator, ABC):
     """Turns an observation into features: a scikit-learn transformer over observations.
 
     A subclass sets ``requires`` and writes :meth:`extract`. One that learns from data (a codebook,

@@ -6,15 +6,15 @@ from abc import ABC, abstractmethod
 from typing import ClassVar, Self
 
 from numpy.typing import ArrayLike
-from sklearn.base import BaseEstimator, clone
 
 from placecue.errors import UsageError
+from placecue.estimator import Estimator, clone
 from placecue.evidence import Evidence
 from placecue.held_out import HeldOut
 from placecue.scores import Scores
 
 
-class Integrator(BaseEstimator, ABC):  # type: ignore[misc]
+class Integrator(Estimator, ABC):
     """Joins the cues' scores; a scikit-learn estimator over evidence.
 
     It is fitted on scores of samples that the single-cue models have not seen.

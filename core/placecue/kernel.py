@@ -7,15 +7,15 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator
 
 from placecue.errors import UsageError
+from placecue.estimator import Estimator
 from placecue.features import FeatureBatch, FeatureKind, kind_of
 
 Gram = NDArray[np.float64]
 
 
-class Kernel(BaseEstimator, ABC):  # type: ignore[misc]
+class Kernel(Estimator, ABC):
     """Gram blocks between batches of features.
 
     Attributes

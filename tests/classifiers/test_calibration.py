@@ -6,9 +6,17 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.calibration import CalibratedClassifierCV, calibration_curve
 from sklearn.frozen import FrozenEstimator
 
-from placecue import DataError, OneAgainstAll, OneAgainstOne, Probabilities, Scores, UsageError
+from placecue import (
+    DataError,
+    OneAgainstAll,
+    OneAgainstOne,
+    Probabilities,
+    Scores,
+    Shuffled,
+    UsageError,
+)
 from placecue.evaluation.reliability import draw_reliability, reliability
-from placecue.folds import InterleavedChunks, Shuffled
+from placecue.folds import InterleavedChunks
 from placecue_classifiers.calibration import calibrators, coupled, probabilities
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF

@@ -10,10 +10,18 @@ from sklearn.ensemble import BaggingClassifier, RandomForestClassifier
 from sklearn.linear_model import RidgeClassifier
 from sklearn.tree import DecisionTreeClassifier
 
-from placecue import DataError, DescriptorSets, OneAgainstAll, Pipeline, Probabilities, UsageError
+from placecue import (
+    Blocks,
+    DataError,
+    DescriptorSets,
+    OneAgainstAll,
+    Pipeline,
+    Probabilities,
+    RangeScaling,
+    StandardScaling,
+    UsageError,
+)
 from placecue import estimators as allowed
-from placecue.folds import Blocks
-from placecue.scaling import RangeScaling, StandardScaling
 from placecue.storage.model import load_model, save_model
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.scikit_learn import ScikitLearn

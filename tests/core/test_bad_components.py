@@ -1,6 +1,5 @@
 """Cues, accumulators and boundaries that misbehave where the pipeline calls them."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -192,11 +191,12 @@ def test_a_cue_that_writes_changes_nothing_and_is_named(cue: Cue, said: str) -> 
 # ---------------------------------------------------------------------- folds
 
 
-@dataclass(frozen=True, slots=True)
 class FaultyFolds(FoldScheme):
     """Does something else where samples are dealt to folds."""
 
-    deed: Any = None
+    def __init__(self, deed: Any = None) -> None:
+        super().__init__()
+        self.deed = deed
 
     def assign(self, labels: ArrayLike, stamps: ArrayLike | None = None, *more: Any) -> Any:
         return self.deed()

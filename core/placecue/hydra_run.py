@@ -154,6 +154,8 @@ class Task:
             try:
                 module.run(settings)
             except SystemExit as error:
+                if isinstance(error.__context__, BrokenPipeError):  # how rich says it
+                    raise error.__context__ from None
                 raise PlacecueError(
                     f"{self.command} broke off: something called sys.exit({error.code!r}) in the "
                     f"middle of it; {TRACEBACK}=1 before the command shows where"

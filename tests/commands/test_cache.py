@@ -85,8 +85,8 @@ def test_the_default_place_is_the_user_s_and_null_is_none(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
     laser = ["cue=laser", "integrator=none", f"log={log_a}"]
     succeeds("train", *laser, "out=model", "cache.folder=null")
-    assert not (tmp_path / "xdg").exists()
-    succeeds("train", *laser, "out=model")
+    assert not (tmp_path / "xdg" / "placecue").exists()
+    succeeds("train", *laser, "out=model", "overwrite=true")
     assert list((tmp_path / "xdg" / "placecue").rglob("*.npz"))
     monkeypatch.setenv("XDG_CACHE_HOME", "")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))

@@ -18,7 +18,7 @@ from placecue.components.manager import current_plugins
 
 #: A command that begins to write a file and is then busy for minutes.
 COMMAND = """
-import hashlib, sys, threading, time
+import hashlib, signal, sys, threading, time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from placecue import cli
@@ -34,6 +34,8 @@ def run(config):
         {busy}
 
 plugins.run = run
+# Shells let commands in the background ignore it, and so would what they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 cli.main(["plugins"])
 """
 BUSY = {

@@ -32,6 +32,7 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
     UsageError
         If a component or a parameter is unknown, or a cue has no classifier.
     """
+    composition = in_todays_words(composition)
     cues = {}
     for name, spec in (composition.get("cues") or {}).items():
         cue = {key: value for key, value in spec.items() if key != "classifier"}
@@ -48,6 +49,17 @@ def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeli
         None if folds is None else build(folds, "folds", registry),
         _unknown(composition.get("unknown"), registry),
     )
+
+
+def in_todays_words(value: Any) -> Any:
+    """Return a config of an earlier version as one of today.
+
+    Folds were named by ``scheme`` before they were components named by ``plugin``.
+    """
+    if isinstance(value, Mapping):
+        now = {key: in_todays_words(each) for key, each in value.items()}
+        return {"plugin": now.pop("scheme"), **now} if {"scheme"} <= now.keys() - {"plugin"} else now
+    return [in_todays_words(each) for each in value] if isinstance(value, list) else value
 
 
 def describe_pipeline(pipeline: Pipeline, registry: Registry) -> dict[str, Any]:

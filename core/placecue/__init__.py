@@ -76,7 +76,6 @@ if TYPE_CHECKING:
         Scores,
     )
     from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
-    from placecue.skipped import Skipped
     from placecue.source import Source
     from placecue.training_set import TrainingSet
 
@@ -147,7 +146,6 @@ __all__ = [
     "Scores",
     "SemanticMap",
     "Shuffled",
-    "Skipped",
     "Source",
     "StandardScaling",
     "StoredEvidence",
@@ -241,7 +239,6 @@ _MODULES = {
         "Scores",
     ),
     "semantic_map": ("UNKNOWN", "Area", "Node", "SemanticMap"),
-    "skipped": ("Skipped",),
     "source": ("Source",),
     "training_set": ("TrainingSet",),
 }

@@ -22,6 +22,7 @@ from placecue.cue_model import CueModel
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import ObservedEvidence, StoredEvidence
 from placecue.extraction import Extraction, batched
+from placecue.faults import Faults
 from placecue.folds import FoldScheme, InterleavedChunks
 from placecue.guard import call
 from placecue.held_out import HeldOut
@@ -34,7 +35,6 @@ from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
-from placecue.skipped import Skipped
 from placecue.source import guarded
 
 #: What becomes of an observation at which a component fails.
@@ -195,18 +195,18 @@ class Pipeline:
         DataError
             If no observation was usable.
         """
-        skipped, total = Skipped(), 0
+        faults, total = Faults(), 0
         for group in batched(guarded(observations), batch):
             total += len(group)
             for observation, belief in zip(group, self._beliefs(group), strict=True):
                 if isinstance(belief, UnusableObservation):
-                    skipped.add(belief)
+                    faults.pass_over(belief)
                     yield observation, None
                 else:
                     yield observation, belief
         if total == 0:
             raise DataError("the log holds no observation")
-        skipped.report(total)
+        faults.report_of(total)
 
     def beliefs(self, observations: Iterable[Observation], batch: int = 1) -> Iterator[Belief]:
         """Yield the belief of each usable observation; see :meth:`follow`."""

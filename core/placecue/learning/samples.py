@@ -15,12 +15,12 @@ from placecue import contracts
 from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.extraction import BATCH, Extraction, batched
+from placecue.faults import Faults
 from placecue.features import FeatureBatch, join, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.guard import step
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
-from placecue.skipped import Skipped
 from placecue.source import guarded
 from placecue.training_set import TrainingSet
 
@@ -225,13 +225,13 @@ def collect(
     extraction = Extraction() if extraction is None else extraction
     required: tuple[Part, ...] = tuple({part for cue in cues.values() for part in cue.requires})
     gathered = [_Gathered(cue, extraction, skip) for cue in cues.values() if not cue.learns]
-    reading, kept, skipped = _Labelled(observations), list[tuple[Any, ...]](), Skipped()
+    reading, kept, faults = _Labelled(observations), list[tuple[Any, ...]](), Faults()
     for some in batched(reading, BATCH):
-        usable = _usable([each for _, each in some], required, bool(learning), skipped)
+        usable = _usable([each for _, each in some], required, bool(learning), faults)
         seen = [some[row] for row in usable]
-        rows = _extract(gathered, [each for _, each in seen], skipped)
+        rows = _extract(gathered, [each for _, each in seen], faults)
         kept += [(o.label, o.stamp, number, o.origin) for number, o in (seen[row] for row in rows)]
-    _check(reading, skipped)
+    _check(reading, faults)
     labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
     names = (n for n, cue in cues.items() if not cue.learns)
     return Samples(
@@ -266,7 +266,7 @@ def _usable(
     observations: Sequence[Observation],
     required: tuple[Part, ...],
     learning: bool,
-    skipped: Skipped,
+    faults: Faults,
 ) -> list[int]:
     """Return the observations that have every part that a cue needs."""
     rows = []
@@ -277,12 +277,12 @@ def _usable(
                 _ = observation.image
             rows.append(row)
         except UnusableObservation as error:
-            skipped.add(error)
+            faults.pass_over(error)
     return rows
 
 
 def _extract(
-    gathered: Sequence[_Gathered], observations: Sequence[Observation], skipped: Skipped
+    gathered: Sequence[_Gathered], observations: Sequence[Observation], faults: Faults
 ) -> Rows:
     """Extract every cue from a batch; keep and return the rows that all of them have."""
     found = []
@@ -293,7 +293,7 @@ def _extract(
         failed |= {row: error for row, error in unusable.items() if row not in failed}
     rows = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
     for row in sorted(failed):
-        skipped.add(failed[row])
+        faults.pass_over(failed[row])
     for of_cue, views in zip(gathered, found, strict=True):
         of_cue.keep(views, rows)
     return rows
@@ -312,10 +312,10 @@ def _groups(origins: Sequence[Origin | None]) -> NDArray[np.int64] | None:
     return np.unique(logs, return_inverse=True)[1].astype(np.int64)
 
 
-def _check(reading: _Labelled, skipped: Skipped) -> None:
+def _check(reading: _Labelled, faults: Faults) -> None:
     if not reading.labelled:
         raise DataError(
             f"none of the {reading.total} observations has a label: training needs a label "
             "channel, an interval CSV (labels=FILE) or a source that labels"
         )
-    skipped.report(reading.labelled)
+    faults.report_of(reading.labelled)

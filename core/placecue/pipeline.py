@@ -142,7 +142,9 @@ class Pipeline:
         evidence = ObservedEvidence(  # extract, score
             observations, self.cues, self.extraction, skip=self.skips
         )
-        scores, failed = integrated(self.integrator, evidence, skip=self.skips)  # integrate
+        scores, failed = integrated(  # integrate
+            self.integrator, evidence, observations, skip=self.skips
+        )
         there = np.flatnonzero(scores.available())
         decision = scores[there].decide()  # decide
         labels = decision.labels if self.rejection_ is None else self.rejection_.labels(decision)

@@ -32,7 +32,8 @@ def descriptor_sample(
     observations : iterable of Observation
         Iterated once; unusable ones are passed over and reported once.
     describe : callable
-        Gives the (n, d) descriptors of an observation.
+        Gives the (n, d) descriptors of an observation; raises UnusableObservation where there
+        is nothing to describe.
     size : int
         How many to return at most.
     random_state : int
@@ -58,7 +59,6 @@ def descriptor_sample(
     for observation in track(observations, f"learning {cue}"):
         total += 1
         try:
-            observation.require(("image",))
             descriptors = describe(observation)
         except UnusableObservation as error:
             faults.pass_over(error)

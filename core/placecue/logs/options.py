@@ -3,6 +3,7 @@
 # Annotations are types here and no texts: of a dataclass they are read in its subclasses' modules.
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from placecue.source import Source
 
@@ -60,3 +61,6 @@ class LogOptions(Source):
     transform_horizon: float = 10.0
     start: float | None = None
     end: float | None = None
+
+    def __post_init__(self) -> None:
+        self.name = Path(self.path).name

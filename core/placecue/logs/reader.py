@@ -44,9 +44,7 @@ class McapLog(LogOptions):
     Its parameters are those of :class:`LogOptions`.
     """
 
-    def __post_init__(self) -> None:
-        self.name = Path(self.path).name
-        self._faults_told = False
+    _faults_told = False
 
     # What the log is, looked up on first use.
 

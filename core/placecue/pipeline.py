@@ -300,17 +300,15 @@ class Pipeline:
         DataError
             If no fold holds samples out.
         """
-        scores = {
-            name: model.held_out(samples.training_set(name, model.cue), self.folds, name=name)
-            for name, model in self.cues.items()
-        }
-        held_out = HeldOut(
-            StoredEvidence(scores), samples.labels, samples.stamps, samples.groups, self.folds
-        )
-        known = np.logical_and.reduce([each.available() for each in scores.values()])
-        if not known.any():
+        scores = {}
+        for name, model in self.cues.items():
+            training = samples.training_set(name, model.cue)
+            unseen = model.held_out(training, self.folds, name=name)
+            scores[name] = unseen.spread(samples.trained_on(name, model.cue), len(samples))
+        held_out = self._complete(samples, StoredEvidence(scores))
+        if held_out is None:
             raise DataError("no sample has out-of-fold scores: give more training samples")
-        return held_out if known.all() else held_out.take(np.flatnonzero(known))
+        return held_out
 
     def fit_integrator(self, held_out: HeldOut) -> Self:
         """Fit the integrator on scores that the single-cue models have not been trained on."""
@@ -328,13 +326,21 @@ class Pipeline:
         return self
 
     def evidence_of(self, samples: Samples) -> StoredEvidence:
-        """Return the scores of labelled samples that were not trained on."""
-        return StoredEvidence(
-            {
-                name: model.scores(samples.features(name, model.cue))
-                for name, model in self.cues.items()
-            }
-        )
+        """Return the scores of labelled samples that were not trained on; NaN where it cannot."""
+        scores = {}
+        for name, model in self.cues.items():
+            found = samples.features(name, model.cue)
+            assert found.features is not None  # or nothing was usable
+            scores[name] = model.scores(found.features).spread(found.rows, len(samples))
+        return StoredEvidence(scores)
+
+    def _complete(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
+        """Return the samples with scores of every cue; None where there is none."""
+        held_out = HeldOut(evidence, samples.labels, samples.stamps, samples.groups, self.folds)
+        known = np.logical_and.reduce([evidence.available(cue) for cue in evidence.cues])
+        if not known.any():
+            return None
+        return held_out if known.all() else held_out.take(np.flatnonzero(known))
 
     def unfitted(self) -> Pipeline:
         """Return a copy that has learned nothing, with the same parameters and extraction."""
@@ -385,8 +391,9 @@ class Pipeline:
     def _unseen(self, observations: Iterable[Observation]) -> tuple[HeldOut, HeldOut | None]:
         """Return the evidence of another sequence, and that of other places in it, if any."""
         unseen = self.collect(observations)
-        evidence = self.evidence_of(unseen)
-        every = HeldOut(evidence, unseen.labels, unseen.stamps, unseen.groups, self.folds)
+        every = self._complete(unseen, self.evidence_of(unseen))
+        if every is None:
+            raise DataError("no sample of the integration log has scores of every cue")
         held_out, foreign = every.parted(self.classes)
         missing = set(self.classes) - set(held_out.labels.tolist())
         if missing and self.integrates:

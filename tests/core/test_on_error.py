@@ -18,9 +18,13 @@ from placecue import (
     OneAgainstAll,
     Pipeline,
     Scores,
+    UnusableObservation,
 )
 from placecue.errors import ComponentError, ContractError, UsageError
-from toys import PLACES, Beams, Walk
+from placecue_classifiers.svm import SVM
+from placecue_integrators.svm_das import SVMDAS
+from placecue_kernels.rbf import RBF
+from toys import PLACES, Beams, Brightness, Walk
 
 #: Observations at which something fails, by number; two in a batch of 16, one in the next.
 BAD = (5, 11, 30)
@@ -224,6 +228,105 @@ def test_training_goes_on_without_them(caplog: pytest.LogCaptureFixture) -> None
     assert faulty.fit(Walk()).classes == PLACES
     first = caplog.records[0].message
     assert first.startswith("3 of 320 observations passed over; the first: cue FaultyDistance")
+
+
+class Colours(Brightness):
+    """Learns, and fails at bad stamps once it has."""
+
+    def __init__(self, deed: Any = None) -> None:
+        self.deed = deed
+
+    def extract(self, observation: Observation) -> np.ndarray:
+        made = super().extract(observation)
+        wrong = np.array([observation.stamp in STAMPS])
+        return made if self.deed is None else self.deed(wrong, made)
+
+
+class Negatives(Colours):
+    """Training also sees each image as a negative."""
+
+    def augmentations(self) -> list[Any]:
+        return [lambda each: each.altered("negative", image=255 - each.image)]
+
+
+def cannot(wrong: np.ndarray, values: np.ndarray) -> np.ndarray:
+    if wrong.any():
+        raise UnusableObservation("nothing to see")
+    return values
+
+
+def with_one_that_learns(cue: Cue) -> Pipeline:
+    cues = {
+        "beams": (Beams(), SVM(kernel=RBF(gamma=0.1))),
+        "colours": (cue, SVM(kernel=RBF(gamma=0.001))),
+    }
+    return Pipeline(cues, SVMDAS(SVM(kernel=RBF(gamma=0.3))))
+
+
+@pytest.mark.parametrize("kind", [Colours, Negatives])
+def test_training_goes_on_where_a_cue_that_has_learned_fails(
+    kind: type, caplog: pytest.LogCaptureFixture
+) -> None:
+    faulty = with_one_that_learns(kind(fails))
+    with pytest.raises(ComponentError, match=f"^cue {kind.__name__} .* at stamp {STAMPS[0]} of"):
+        faulty.fit(Walk())
+    faulty.on_error = "skip"
+    with caplog.at_level(logging.WARNING):
+        faulty.fit(Walk())
+    (record,) = caplog.records
+    told = f"cue colours: 3 of 320 observations passed over; the first: cue {kind.__name__} "
+    assert record.message.startswith(told)
+    # The integrator is fitted on the samples that both cues know.
+    assert len(faulty.held_out_) == 320 - len(BAD)
+    assert not set(faulty.held_out_.stamps.tolist()) & set(STAMPS)
+    right = [belief.label == seen.label for seen, belief in pairs(faulty, Walk(seed=1))]
+    assert len(right) == 320 - len(BAD)
+    assert np.mean(right) > 0.9
+
+
+def test_so_it_does_on_an_integration_log_and_where_nothing_can_be_seen() -> None:
+    faulty = with_one_that_learns(Colours(cannot))  # an unusable observation is never an error
+    faulty.fit(Walk(), integration=Walk(seed=1))
+    assert len(faulty.held_out_) == 320 - len(BAD)
+    assert not set(faulty.held_out_.stamps.tolist()) & set(STAMPS)
+    samples = faulty.collect(Walk())
+    training = samples.training_set("colours", faulty.cues["colours"].cue)
+    assert len(training) == 320 - len(BAD)
+    means = np.array([each.image.mean(axis=(0, 1)) for each in Walk() if each.stamp not in STAMPS])
+    half = np.arange(0, len(training), 2)
+    relearned = training.relearned(half)  # rows of the set, not of the log
+    np.testing.assert_allclose(relearned.features, means - means[half].mean(axis=0))
+    assert relearned.stamps.tolist() == training.stamps.tolist()
+
+
+def test_where_a_cue_that_has_learned_always_fails() -> None:
+    def always(wrong: np.ndarray, values: np.ndarray) -> np.ndarray:
+        raise ValueError("never")
+
+    faulty = with_one_that_learns(Colours(always))
+    faulty.on_error = "skip"
+    with pytest.raises(DataError, match=r"^cue colours: no usable observation: 320 of 320 "):
+        faulty.fit(Walk())
+
+
+def pairs(fitted: Pipeline, log: Walk) -> list[tuple[Observation, Any]]:
+    return [(seen, belief) for seen, belief in fitted.follow(log, 16) if belief is not None]
+
+
+class Widening(Beams):
+    """Returns one number more at bad stamps."""
+
+    def extract(self, observation: Observation) -> np.ndarray:
+        return np.ones(4 + (observation.stamp in STAMPS))
+
+
+@pytest.mark.parametrize("on_error", ["stop", "skip"])
+def test_features_of_another_width_break_a_promise(on_error: str) -> None:
+    made = Pipeline({"beams": (Widening(), SVM(kernel=RBF()))})
+    made.on_error = on_error
+    said = "made a dense vector of width 5 after a dense vector of width 4"
+    with pytest.raises(ContractError, match=rf"^cue Widening \({__name__}\): {said}"):
+        made.fit(Walk())
 
 
 def test_another_word_is_refused() -> None:

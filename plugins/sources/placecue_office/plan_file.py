@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from placecue import Feature, read_geojson
-from placecue.errors import DataError, UsageError, choices, told
+from placecue.errors import DataError, UsageError, choices
 from placecue_office.plan import Furniture, Panel, Plan, Points, Room, Wall
 
 Properties = Mapping[str, Any]
@@ -55,7 +55,7 @@ def read_plan(path: str | Path) -> Plan:
         height = float(collection.members.get("height", 2.7))
         return _plan(str(collection.members["name"]), height, collection.features)
     except (ValueError, KeyError, TypeError, IndexError) as error:
-        raise DataError(f"{path} is not a plan (GeoJSON in metres): {told(error)}") from error
+        raise DataError(f"{path} is not a plan (GeoJSON in metres): {error!r}") from error
 
 
 def _plan(name: str, height: float, features: Iterable[Feature]) -> Plan:

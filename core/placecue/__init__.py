@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from placecue.integrator import Integrator
     from placecue.interruptible import interruptible
     from placecue.kernel import DistanceKernel, Gram, Kernel
+    from placecue.labels.geojson import Feature, FeatureCollection, read_geojson
     from placecue.learning.rejection import Unknown
     from placecue.logs.adapters.base import Adapter, Role
     from placecue.logs.messages.geometry import Transform
@@ -76,7 +77,6 @@ if TYPE_CHECKING:
         Scores,
     )
     from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
-    from placecue.skipped import Skipped
     from placecue.source import Source
     from placecue.training_set import TrainingSet
 
@@ -107,7 +107,9 @@ __all__ = [
     "Extracted",
     "Extraction",
     "Faults",
+    "Feature",
     "FeatureBatch",
+    "FeatureCollection",
     "FeatureKind",
     "Features",
     "FoldScheme",
@@ -147,7 +149,6 @@ __all__ = [
     "Scores",
     "SemanticMap",
     "Shuffled",
-    "Skipped",
     "Source",
     "StandardScaling",
     "StoredEvidence",
@@ -175,6 +176,7 @@ __all__ = [
     "interruptible",
     "keeping",
     "kind_of",
+    "read_geojson",
     "stack",
     "take",
     "track",
@@ -222,6 +224,7 @@ _MODULES = {
     "integrator": ("Integrator",),
     "interruptible": ("interruptible",),
     "kernel": ("DistanceKernel", "Gram", "Kernel"),
+    "labels.geojson": ("Feature", "FeatureCollection", "read_geojson"),
     "learning.rejection": ("Unknown",),
     "logs.adapters.base": ("Adapter", "Role"),
     "logs.messages.geometry": ("Transform",),
@@ -241,7 +244,6 @@ _MODULES = {
         "Scores",
     ),
     "semantic_map": ("UNKNOWN", "Area", "Node", "SemanticMap"),
-    "skipped": ("Skipped",),
     "source": ("Source",),
     "training_set": ("TrainingSet",),
 }

@@ -15,6 +15,7 @@ from placecue.errors import described
 from placecue.features import FeatureBatch, n_samples
 from placecue.folds import FoldScheme
 from placecue.guard import call, step
+from placecue.observation import Observation
 from placecue.progress import track
 from placecue.scores import Layout, Scores
 from placecue.training_set import TrainingSet
@@ -50,10 +51,18 @@ class CueModel:
         call(self.classifier, "train", training)
         return self
 
-    def scores(self, features: FeatureBatch) -> Scores:
-        """Return the scores of n samples, shape (n, V)."""
+    def scores(self, features: FeatureBatch, at: Observation | None = None) -> Scores:
+        """Return the scores of n samples, shape (n, V).
+
+        Parameters
+        ----------
+        features : batch of n samples
+            What the cue makes of observations.
+        at : Observation, optional
+            The one that the features are of, for messages.
+        """
         check = partial(contracts.scores, n=n_samples(features), layout=self.layout)
-        scores: Scores = call(self.classifier, "scores", features, check=check)
+        scores: Scores = call(self.classifier, "scores", features, check=check, at=at)
         return scores
 
     def held_out(

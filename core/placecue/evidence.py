@@ -167,9 +167,12 @@ class ObservedEvidence(Evidence):
         features, rows = extracted.features, fresh[extracted.rows]
         if features is None:
             return
-        scored = attempt(
-            lambda some: model.scores(take(features, some)), len(rows), skip=self._skip
-        )
+
+        def score(some: Rows) -> Scores:
+            at = self._observations[rows[some[0]]] if len(some) == 1 else None
+            return model.scores(take(features, some), at)
+
+        scored = attempt(score, len(rows), skip=self._skip)
         self._note(cue, rows, scored.failed)
         for some, scores in scored.answers:
             self._values[cue][rows[some]] = scores.values

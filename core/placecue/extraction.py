@@ -13,8 +13,8 @@ import numpy as np
 from placecue import contracts
 from placecue.attempts import Attempts, attempt, attempt_each
 from placecue.cue import Cue
-from placecue.errors import ComponentError, UnusableObservation
-from placecue.features import FeatureBatch, Features, join, spoilt_rows, stack
+from placecue.errors import ComponentError, ContractError, UnusableObservation
+from placecue.features import FeatureBatch, Features, join, kind_of, spoilt_rows, stack
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
@@ -45,11 +45,10 @@ class Extracted:
     failed: dict[int, UnusableObservation] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, attempts: Attempts[FeatureBatch]) -> Extracted:
+    def of(cls, cue: Cue, attempts: Attempts[FeatureBatch]) -> Extracted:
         """Return the answers of a cue as one batch."""
         batches = [batch for _, batch in attempts.answers]
-        batch = join(batches) if len(batches) > 1 else batches[0] if batches else None
-        return cls(attempts.rows, batch, attempts.failed)
+        return cls(attempts.rows, joined(cue, batches) if batches else None, attempts.failed)
 
 
 class Extraction:
@@ -75,29 +74,33 @@ class Extraction:
         in_batches = type(cue).transform is not Cue.transform
         asking, trying = (_asked, attempt) if in_batches else (_asked_one, attempt_each)
         asked = Extracted.of(
-            trying(lambda rows: asking(cue, [usable[row] for row in rows]), len(usable), skip=skip)
+            cue,
+            trying(lambda rows: asking(cue, [usable[row] for row in rows]), len(usable), skip=skip),
         )
         there = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
         failed |= {int(there[row]): error for row, error in asked.failed.items()}
         return Extracted(there[asked.rows], asked.features, failed)
 
-    def transform(self, cue: Cue, observations: Iterable[Observation]) -> FeatureBatch:
-        """Return the features of observations, all of which must be usable.
+    def gather(
+        self, cue: Cue, observations: Iterable[Observation], *, skip: bool = False
+    ) -> Extracted:
+        """Return the features of any number of observations, as :meth:`extract` does of a batch.
 
         No more than a batch of them is held.
-
-        Raises
-        ------
-        UnusableObservation
-            If one is not.
         """
-        batches = []
+        rows: list[Rows] = []
+        batches: list[FeatureBatch] = []
+        failed: dict[int, UnusableObservation] = {}
+        first = 0
         for some in batched(observations, BATCH):
-            extracted = self.extract(cue, some)
-            for error in extracted.failed.values():
-                raise error
-            batches.append(extracted.features)
-        return join([batch for batch in batches if batch is not None])
+            extracted = self.extract(cue, some, skip=skip)
+            rows.append(first + extracted.rows)
+            failed |= {first + row: error for row, error in extracted.failed.items()}
+            if extracted.features is not None:
+                batches.append(extracted.features)
+            first += len(some)
+        every = np.concatenate(rows) if rows else np.empty(0, dtype=np.int64)
+        return Extracted(every, joined(cue, batches) if batches else None, failed)
 
     def fit(
         self,
@@ -128,6 +131,24 @@ def batched(items: Iterable[T], size: int) -> Iterator[list[T]]:
     iterator = iter(items)
     while some := list(islice(iterator, size)):
         yield some
+
+
+def joined(cue: Cue, batches: Sequence[FeatureBatch]) -> FeatureBatch:
+    """Return what a cue made of several observations or batches, one after the other.
+
+    Raises
+    ------
+    ContractError
+        If they are not of one kind and width.
+    """
+    first = batches[0]
+    for batch in batches[1:]:
+        if kind_of(batch) is not kind_of(first) or batch.shape[1] != first.shape[1]:
+            raise ContractError(
+                f"{provenance(cue)}: made a {kind_of(batch)} of width {batch.shape[1]} after a "
+                f"{kind_of(first)} of width {first.shape[1]}: the features of a cue must be alike"
+            )
+    return first if len(batches) == 1 else join(batches)
 
 
 def ready(

@@ -5,7 +5,12 @@ from __future__ import annotations
 import logging
 from collections import Counter
 
+from placecue.errors import DataError
+
 log = logging.getLogger(__name__)
+
+#: The kind of fault of an observation that nothing can be made of.
+PASSED_OVER = "observations passed over"
 
 
 class Faults:
@@ -14,21 +19,43 @@ class Faults:
     Parameters
     ----------
     where : str
-        Name of the log or data set, for messages.
+        Name of the log or data set, for messages; empty where the examples say it.
+
+    Attributes
+    ----------
+    counts : Counter of str
+        How often each kind was met.
+    first : dict of str to str
+        The first example of each kind, in one line.
+    cause : Exception or None
+        The first example that was an error.
     """
 
-    def __init__(self, where: str) -> None:
+    def __init__(self, where: str = "") -> None:
         self.where = where
         self.counts: Counter[str] = Counter()
         self.first: dict[str, str] = {}
+        self.cause: Exception | None = None
 
-    def add(self, kind: str, example: str, count: int = 1) -> None:
+    def add(self, kind: str, example: str | Exception, count: int = 1) -> None:
         """Count a fault, such as ``images are missing``, with an example of it."""
-        if count:
-            self.counts[kind] += count
-            # Names of files may hold bytes that no terminal can show, and errors line breaks.
-            shown = example.encode("utf-8", "backslashreplace").decode()
-            self.first.setdefault(kind, " ".join(shown.split()))
+        if not count:
+            return
+        self.counts[kind] += count
+        if isinstance(example, Exception):
+            self.cause = self.cause or example
+        # Names of files may hold bytes that no terminal can show, and errors line breaks.
+        shown = str(example).encode("utf-8", "backslashreplace").decode()
+        self.first.setdefault(kind, " ".join(shown.split()))
+
+    def pass_over(self, error: Exception) -> None:
+        """Count an observation that nothing can be made of, and why."""
+        self.add(PASSED_OVER, error)
+
+    @property
+    def passed_over(self) -> int:
+        """How many observations were passed over."""
+        return self.counts[PASSED_OVER]
 
     def told(self) -> str:
         """Return everything in one line; empty where all was well."""
@@ -39,4 +66,28 @@ class Faults:
     def report(self) -> None:
         """Warn of everything in one line; say nothing where all was well."""
         if self.counts:
-            log.warning(f"{self.where}: {self.told()}")
+            log.warning(self._at(self.told()))
+
+    def report_of(self, total: int) -> None:
+        """Warn in one line of the observations that were passed over, if any.
+
+        Parameters
+        ----------
+        total : int
+            How many observations there were.
+
+        Raises
+        ------
+        DataError
+            If not one of them was usable.
+        """
+        if not self.passed_over:
+            return
+        first = self.first[PASSED_OVER]
+        text = f"{self.passed_over} of {total} {PASSED_OVER}; the first: {first}"
+        if self.passed_over == total:
+            raise DataError(self._at(f"no usable observation: {text}")) from self.cause
+        log.warning(self._at(text))
+
+    def _at(self, text: str) -> str:
+        return f"{self.where}: {text}" if self.where else text

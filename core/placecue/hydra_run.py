@@ -280,23 +280,35 @@ def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
         return f"{command}: {_one_line(error)}"
     key = found.group(1)
     parent, _, name = key.rpartition(".")
-    known = _keys_of(command, [o for o in overrides if not o.startswith((key, "-"))], parent)
+    known = _node(command, [o for o in overrides if not o.startswith((key, "-"))], parent)
     if name in known:  # the value was refused, not the key
         return f"{command}: {_one_line(error)}"
     where = f" in {parent}" if parent else ""
-    return f"{command}: there is no '{name}'{where}; {choices(name, known)}"
+    inside = [f"{parent}.{place}" for place in _places_of(name, known)] if parent else []
+    if inside:
+        return f"{command}: there is no '{name}'{where}; did you mean {' or '.join(inside)}?"
+    return f"{command}: there is no '{name}'{where}; {choices(name, map(str, known))}"
 
 
-def _keys_of(command: str, overrides: list[str], parent: str) -> list[str]:
+def _places_of(name: str, node: DictConfig) -> list[str]:
+    """Return where a key stands in the components inside one."""
+    items = ((str(key), each) for key, each in node.items_ex(resolve=False))
+    inner = {key: each for key, each in items if isinstance(each, DictConfig) and "plugin" in each}
+    found = [f"{key}.{name}" for key, each in inner.items() if name in each]
+    return found + [f"{key}.{at}" for key, each in inner.items() for at in _places_of(name, each)]
+
+
+def _node(command: str, overrides: list[str], parent: str) -> DictConfig:
+    """Return what stands at a place in the config of a command; empty where nothing does."""
     with hydra.initialize_config_module(
         version_base="1.3", config_module=BUILT_IN_CONFIGS.removeprefix("pkg://")
     ):
         try:
             config = hydra.compose(command, overrides)
         except HydraException:
-            return []
+            return OmegaConf.create({})
     node = OmegaConf.select(config, parent) if parent else config
-    return [str(key) for key in node] if isinstance(node, DictConfig) else []
+    return node if isinstance(node, DictConfig) else OmegaConf.create({})
 
 
 def _one_line(error: BaseException) -> str:

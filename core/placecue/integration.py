@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -13,11 +14,16 @@ from placecue.evidence import Evidence
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.integrator import Integrator
+from placecue.observation import Observation
 from placecue.scores import Scores
 
 
 def integrated(
-    integrator: Integrator, evidence: Evidence, *, skip: bool = False
+    integrator: Integrator,
+    evidence: Evidence,
+    observations: Sequence[Observation],
+    *,
+    skip: bool = False,
 ) -> tuple[Scores, dict[int, UnusableObservation]]:
     """Return the integrated scores of n observations, and where the integrator failed.
 
@@ -27,6 +33,8 @@ def integrated(
         Fitted.
     evidence : Evidence
         Of n observations.
+    observations : sequence of n Observations
+        Which they are, for messages.
     skip : bool
         Whether an observation at which the integrator fails is passed over.
 
@@ -41,7 +49,8 @@ def integrated(
     def integrate(rows: Rows) -> Scores:
         some = evidence if len(rows) == len(evidence) else evidence.take(rows)
         check = partial(contracts.scores, n=len(rows), gaps=True)
-        scores: Scores = call(integrator, "integrate", some, check=check)
+        at = observations[rows[0]] if len(rows) == 1 else None
+        scores: Scores = call(integrator, "integrate", some, check=check, at=at)
         return scores
 
     attempts = attempt(integrate, len(evidence), skip=skip)

@@ -22,6 +22,7 @@ from placecue.cue_model import CueModel
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import ObservedEvidence, StoredEvidence
 from placecue.extraction import Extraction, batched
+from placecue.faults import Faults
 from placecue.folds import FoldScheme, InterleavedChunks
 from placecue.guard import call
 from placecue.held_out import HeldOut
@@ -34,7 +35,6 @@ from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.scores import Probabilities
 from placecue.semantic_map import UNKNOWN
-from placecue.skipped import Skipped
 from placecue.source import guarded
 
 #: What becomes of an observation at which a component fails.
@@ -142,7 +142,9 @@ class Pipeline:
         evidence = ObservedEvidence(  # extract, score
             observations, self.cues, self.extraction, skip=self.skips
         )
-        scores, failed = integrated(self.integrator, evidence, skip=self.skips)  # integrate
+        scores, failed = integrated(  # integrate
+            self.integrator, evidence, observations, skip=self.skips
+        )
         there = np.flatnonzero(scores.available())
         decision = scores[there].decide()  # decide
         labels = decision.labels if self.rejection_ is None else self.rejection_.labels(decision)
@@ -195,18 +197,18 @@ class Pipeline:
         DataError
             If no observation was usable.
         """
-        skipped, total = Skipped(), 0
+        faults, total = Faults(), 0
         for group in batched(guarded(observations), batch):
             total += len(group)
             for observation, belief in zip(group, self._beliefs(group), strict=True):
                 if isinstance(belief, UnusableObservation):
-                    skipped.add(belief)
+                    faults.pass_over(belief)
                     yield observation, None
                 else:
                     yield observation, belief
         if total == 0:
             raise DataError("the log holds no observation")
-        skipped.report(total)
+        faults.report_of(total)
 
     def beliefs(self, observations: Iterable[Observation], batch: int = 1) -> Iterator[Belief]:
         """Yield the belief of each usable observation; see :meth:`follow`."""
@@ -298,17 +300,15 @@ class Pipeline:
         DataError
             If no fold holds samples out.
         """
-        scores = {
-            name: model.held_out(samples.training_set(name, model.cue), self.folds, name=name)
-            for name, model in self.cues.items()
-        }
-        held_out = HeldOut(
-            StoredEvidence(scores), samples.labels, samples.stamps, samples.groups, self.folds
-        )
-        known = np.logical_and.reduce([each.available() for each in scores.values()])
-        if not known.any():
+        scores = {}
+        for name, model in self.cues.items():
+            training = samples.training_set(name, model.cue)
+            unseen = model.held_out(training, self.folds, name=name)
+            scores[name] = unseen.spread(samples.trained_on(name, model.cue), len(samples))
+        held_out = self._complete(samples, StoredEvidence(scores))
+        if held_out is None:
             raise DataError("no sample has out-of-fold scores: give more training samples")
-        return held_out if known.all() else held_out.take(np.flatnonzero(known))
+        return held_out
 
     def fit_integrator(self, held_out: HeldOut) -> Self:
         """Fit the integrator on scores that the single-cue models have not been trained on."""
@@ -326,13 +326,21 @@ class Pipeline:
         return self
 
     def evidence_of(self, samples: Samples) -> StoredEvidence:
-        """Return the scores of labelled samples that were not trained on."""
-        return StoredEvidence(
-            {
-                name: model.scores(samples.features(name, model.cue))
-                for name, model in self.cues.items()
-            }
-        )
+        """Return the scores of labelled samples that were not trained on; NaN where it cannot."""
+        scores = {}
+        for name, model in self.cues.items():
+            found = samples.features(name, model.cue)
+            assert found.features is not None  # or nothing was usable
+            scores[name] = model.scores(found.features).spread(found.rows, len(samples))
+        return StoredEvidence(scores)
+
+    def _complete(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
+        """Return the samples with scores of every cue; None where there is none."""
+        held_out = HeldOut(evidence, samples.labels, samples.stamps, samples.groups, self.folds)
+        known = np.logical_and.reduce([evidence.available(cue) for cue in evidence.cues])
+        if not known.any():
+            return None
+        return held_out if known.all() else held_out.take(np.flatnonzero(known))
 
     def unfitted(self) -> Pipeline:
         """Return a copy that has learned nothing, with the same parameters and extraction."""
@@ -383,8 +391,9 @@ class Pipeline:
     def _unseen(self, observations: Iterable[Observation]) -> tuple[HeldOut, HeldOut | None]:
         """Return the evidence of another sequence, and that of other places in it, if any."""
         unseen = self.collect(observations)
-        evidence = self.evidence_of(unseen)
-        every = HeldOut(evidence, unseen.labels, unseen.stamps, unseen.groups, self.folds)
+        every = self._complete(unseen, self.evidence_of(unseen))
+        if every is None:
+            raise DataError("no sample of the integration log has scores of every cue")
         held_out, foreign = every.parted(self.classes)
         missing = set(self.classes) - set(held_out.labels.tolist())
         if missing and self.integrates:

@@ -300,6 +300,12 @@ class Scores:
         """Return which samples have scores, shape (n,); a missing one is a row of NaN."""
         return np.asarray(~np.isnan(self.values).any(axis=1))
 
+    def spread(self, rows: NDArray[np.integer], n: int) -> Scores:
+        """Return scores of n samples: these at the given rows, NaN at the others."""
+        values = np.full((n, self.values.shape[1]), np.nan)
+        values[rows] = self.values
+        return Scores(values, self.layout)
+
     def read_only(self) -> Scores:
         """Return the same scores such that nothing can write into them."""
         return Scores(read_only(self.values), self.layout)

@@ -128,6 +128,23 @@ def test_values_that_cannot_be(
 
 
 @pytest.mark.parametrize(
+    ("cue", "word", "said"),
+    [
+        ("bag_of_words", "cues.bag_of_words.step=8", "cues.bag_of_words.descriptors.step?"),
+        ("fisher_vector", "cues.fisher_vector.cells=[4]", "cues.fisher_vector.descriptors.cells?"),
+        ("bag_of_words", "+cues.bag_of_words.step=8", "descriptors.step?"),
+        ("crfh", "cues.crfh.gamma=2", "cues.crfh.classifier.kernel.gamma?"),
+    ],
+)
+def test_a_parameter_of_a_component_inside(
+    cue: str, word: str, said: str, log_a: Path, tmp_path: Path
+) -> None:
+    told = refused("train", f"cue={cue}", "integrator=none", f"log={log_a}", "out=out", word)
+    assert f"; did you mean {said}" in told
+    assert nothing_but_empty_folders(tmp_path)
+
+
+@pytest.mark.parametrize(
     ("words", "said"),
     [
         (["batch=0"], "batch is 0; give a whole number of at least 1"),

@@ -65,7 +65,8 @@ def test_what_was_learned_fold_by_fold_is_one_line(tmp_path: Path, log_a: Path) 
     assert int(times) > 3  # all samples, and the folds
     features = ["a.mcap", "bag_of_words", "1", times, "x", "96"]
     learned = ["bag_of_words", "1,", "what", "it", "learned", times, "x"]
-    assert sorted(row[:-3] for row in shown[1:-1]) == sorted([features, learned])
+    assert sorted(row[:-4] for row in shown[1:-1]) == sorted([features, learned])
+    assert all(row[-2:] == ["descriptors=dense_sift,", "words=8"] for row in shown[1:-1])
 
 
 def test_trims_on_request(trained: Path) -> None:

@@ -17,10 +17,20 @@ from rooms import ROOMS, Rooms, write_log
 #: What suits few small pictures.
 SMALL = {
     "sift": ["contrast_threshold=0.01"],
+    "dense_sift": ["step=8", "cells=[3]", "classifier.search={C: [10], gamma: [1]}"],
     "fisher_vector": ["components=12", "gaussians=8", "sample=3000"],
     "bag_of_words": ["words=30", "sample=3000"],
 }
-CUES = ("crfh", "sift", "laser", "gist", "color_histogram", "fisher_vector", "bag_of_words")
+CUES = (
+    "crfh",
+    "sift",
+    "dense_sift",
+    "laser",
+    "gist",
+    "color_histogram",
+    "fisher_vector",
+    "bag_of_words",
+)
 
 
 class Photographed(Rooms):

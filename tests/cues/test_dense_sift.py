@@ -6,7 +6,8 @@ import pytest
 
 from pictures import grey_photograph, observe
 from placecue import UnusableObservation
-from placecue_cues.dense_sift import DenseSift, Patches
+from placecue_cues.dense_sift import DenseSift
+from placecue_cues.local_descriptors import Patches
 
 
 def grid(**parameters: object) -> DenseSift:
@@ -15,7 +16,7 @@ def grid(**parameters: object) -> DenseSift:
 
 
 def extract(image: np.ndarray, **parameters: object) -> Patches:
-    return grid(**parameters).extract(observe(image), "dense")
+    return grid(**parameters).patches(observe(image))
 
 
 def by_definition(image: np.ndarray, top: int, left: int, cell: int) -> np.ndarray:
@@ -90,6 +91,6 @@ def test_patches_without_contrast_are_left_out() -> None:
 
 def test_small_images() -> None:
     assert len(extract(grey_photograph()[:24, :24]).descriptors) == 1
-    with pytest.raises(UnusableObservation, match="30x23 pixels, dense needs 24 each way"):
+    with pytest.raises(UnusableObservation, match="30x23 pixels, dense_sift needs 24 each way"):
         extract(grey_photograph()[:23, :30])
     assert len(extract(grey_photograph()[:24, :24], cells=(6, 40)).descriptors) == 1

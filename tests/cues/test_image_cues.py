@@ -11,11 +11,13 @@ from placecue import Cue, Observation, UnusableObservation, UsageError
 from placecue_cues.bag_of_words import BagOfWords
 from placecue_cues.color_histogram import ColorHistogram
 from placecue_cues.crfh import CRFH
+from placecue_cues.dense_sift import DenseSift
 from placecue_cues.fisher_vector import FisherVector
 from placecue_cues.gist import Gist
+from placecue_cues.laser import LaserGeometry
 from placecue_cues.sift import SIFT
 
-NAMES = ("crfh", "sift", "gist", "color_histogram", "fisher_vector", "bag_of_words")
+NAMES = ("crfh", "sift", "dense_sift", "gist", "color_histogram", "fisher_vector", "bag_of_words")
 
 
 @lru_cache
@@ -23,6 +25,7 @@ def cue(name: str) -> Cue:
     made: dict[str, Cue] = {
         "crfh": CRFH(),
         "sift": SIFT(),
+        "dense_sift": DenseSift(step=16, cells=(6,)),
         "gist": Gist(),
         "color_histogram": ColorHistogram(),
         "fisher_vector": FisherVector(components=8, gaussians=4, sample=800),
@@ -93,9 +96,19 @@ def test_missing_image_and_cloning(name: str) -> None:
         (Gist(prefilter=-1.0), "prefilter >= 0"),
         (ColorHistogram([4, 4]), "three numbers of bins"),
         (ColorHistogram(chroma_limit=0.0), "chroma_limit > 0"),
-        (FisherVector(step=0), "fisher_vector needs longest_side, step and cells"),
-        (FisherVector(cells=[]), "fisher_vector needs longest_side, step and cells"),
-        (FisherVector(contrast=-1.0), "contrast >= 0"),
+        (DenseSift(step=0), "dense_sift needs longest_side, step and cells"),
+        (FisherVector(descriptors=DenseSift(cells=[])), "dense_sift needs longest_side, step and"),
+        (BagOfWords(descriptors=DenseSift(contrast=-1.0)), "contrast >= 0"),
+        (FisherVector(descriptors=BagOfWords()), "by a cue that learns nothing, .* got BagOfWords"),
+        (BagOfWords(descriptors=LaserGeometry()), "descriptors of images .* got LaserGeometry"),
+        (
+            BagOfWords(descriptors=Gist()),
+            "of local descriptors, .*; Gist gives one vector an image",
+        ),
+        (
+            FisherVector(descriptors=Gist(), pyramid=[1, 2]),
+            r"Gist does not say where its descriptors are, so pyramid must be \[1\], got \[1, 2\]",
+        ),
         (FisherVector(pyramid=[0]), "pyramid levels >= 1"),
         (FisherVector(components=129), "up to 128"),
         (FisherVector(gaussians=0), "gaussians and iterations >= 1"),

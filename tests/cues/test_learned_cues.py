@@ -1,6 +1,7 @@
 """Fisher vectors and visual words: the mathematics, and what is learned from whom."""
 
 import logging
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from placecue_cues.bag_of_words import BagOfWords
 from placecue_cues.descriptor_sample import descriptor_sample
 from placecue_cues.fisher import Mixture, power_normalised
 from placecue_cues.fisher_vector import FisherVector
+from placecue_cues.sift import SIFT
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.linear import Linear
 
@@ -126,7 +128,50 @@ def test_mistakes(cue: Cue) -> None:
         fresh.fit([Observation(0)])
 
 
+def colours(image: np.ndarray) -> np.ndarray:
+    """The colour of each quarter, written without a cue."""
+    return np.array([part.mean() for row in np.split(image, 2) for part in np.split(row, 2, 1)])
+
+
+class Quarters(Cue):
+    """The grey level of each quarter as a local descriptor, from nobody knows where."""
+
+    requires = ("image",)
+
+    def extract(self, observation: Observation) -> np.ndarray:
+        return colours(np.asarray(observation.image))[:, None]
+
+
+def test_words_of_descriptors_of_ones_own() -> None:
+    dark, light = (np.full((8, 8), level, np.uint8) for level in (10, 200))
+    mixed = np.block([[dark, dark], [dark, light]])
+    cue = BagOfWords(words=2, descriptors=Quarters(), sample=100)
+    cue.fit([observe(each) for each in (dark, light, mixed)])
+    assert sorted(np.round(cue.words_[:, 0]).tolist()) == [10, 200]
+    first = int(cue.words_[0, 0] > 100)
+    for image, wanted in ((dark, [1, 0]), (light, [0, 1]), (mixed, [0.75, 0.25])):
+        found = cue.features(observe(image))
+        np.testing.assert_allclose(found, wanted[::-1] if first else wanted)
+
+
+@pytest.mark.parametrize("kind", [fisher, words])
+def test_interest_points_in_quarters(kind: Callable[..., Cue]) -> None:
+    points = SIFT(contrast_threshold=0.01)
+    image = np.full((120, 160), 90, np.uint8)
+    image[70:110, 90:150] = stripes(8, 1.0, 3)[:40, :60]  # all there is is down on the right
+    places = points.patches(observe(image)).places
+    assert len(places) > 5
+    assert (places.min(axis=0) > 0.4).all()
+    training = [observe(stripes(8, 0.3 * i, i)) for i in range(8)]
+    small = {"components": 4, "gaussians": 2} if kind is fisher else {"words": 5}
+    cue = kind(descriptors=points, pyramid=[2], sample=300, **small).fit(training)
+    quarters = np.split(np.asarray(cue.features(observe(image))), 4)
+    assert [bool(each.any()) for each in quarters][3]
+    assert not quarters[0].any()
+
+
 def described(observation: Observation) -> np.ndarray:
+    observation.require(("image",))
     return np.repeat(np.asarray(observation.image)[0, :, None], 2, axis=1).astype(np.float32)
 
 

@@ -15,10 +15,9 @@ from matplotlib.path import Path as Outline
 
 from placecue.commands.logs import relabelled
 from placecue.errors import DataError, UsageError
-from placecue.labels.geojson import read_rooms
 from placecue.labels.label_map import LabelMap
 from placecue.labels.relabelled import Relabelled
-from placecue.labels.rooms import Room, Rooms
+from placecue.labels.rooms import Room, Rooms, read_rooms
 from placecue.observation import Observation, Pose2D
 from placecue.source import Source
 

@@ -166,7 +166,7 @@ def test_what_is_missing_or_broken_is_said_once(
         (True, True),
     ]
     (record,) = caplog.records
-    assert "3 parts of 4 frames cannot be read; the first: " in record.message
+    assert "3 parts of 4 frames cannot be read (the first: " in record.message
     assert "b.png is no picture (10 bytes)" in record.message
     assert len(source.digest()) == 64
 
@@ -174,7 +174,7 @@ def test_what_is_missing_or_broken_is_said_once(
 def test_a_data_set_of_which_nothing_can_be_read(folder: Path) -> None:
     for path in folder.glob("*/*.*"):
         path.unlink()
-    with pytest.raises(DataError, match=r"8 parts of 4 frames cannot be read; .*b\.jpg cannot be"):
+    with pytest.raises(DataError, match=r"8 parts of 4 frames cannot be read .*b\.jpg cannot be"):
         list(RGBD(str(folder), **TABLE, **SMALL))
 
 

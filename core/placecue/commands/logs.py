@@ -10,9 +10,9 @@ from placecue.checks import check_choice
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
-from placecue.labels.geojson import read_rooms
 from placecue.labels.label_map import LabelMap
 from placecue.labels.relabelled import Relabelled
+from placecue.labels.rooms import read_rooms
 from placecue.observation import PARTS, Part
 from placecue.source import Chain, Source, guarded
 

@@ -181,5 +181,12 @@ def _check_names(parameters: Mapping[str, Any], factory: Any, what: str) -> None
     if any(each.kind is inspect.Parameter.VAR_KEYWORD for each in known.values()):
         return
     for parameter in parameters:
-        if parameter not in known:
-            raise UsageError(f"{what} has no parameter '{parameter}'; {choices(parameter, known)}")
+        if parameter in known:
+            continue
+        inside = [
+            f"{name}.{parameter}"
+            for name, value in parameters.items()
+            if isinstance(value, Mapping) and parameter in value
+        ]
+        near = f"did you mean {' or '.join(inside)}?" if inside else choices(parameter, known)
+        raise UsageError(f"{what} has no parameter '{parameter}'; {near}")

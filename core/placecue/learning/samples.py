@@ -14,13 +14,13 @@ from sklearn.base import clone
 from placecue import contracts
 from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.extraction import BATCH, Extraction, batched
-from placecue.features import FeatureBatch, join, take
+from placecue.extraction import BATCH, Extracted, Extraction, batched, joined
+from placecue.faults import Faults
+from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.guard import step
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
-from placecue.skipped import Skipped
 from placecue.source import guarded
 from placecue.training_set import TrainingSet
 
@@ -49,6 +49,8 @@ class Samples:
         How features come from observations.
     folds : FoldScheme
         How the samples are cut by whoever has no scheme of its own.
+    skip : bool
+        Whether a sample at which a cue that has learned fails counts as unusable.
     """
 
     labels: NDArray[np.str_]
@@ -60,7 +62,10 @@ class Samples:
     origins: Sequence[Origin | None]
     extraction: Extraction
     folds: FoldScheme = field(default_factory=InterleavedChunks)
-    _known: dict[str, tuple[Cue, TrainingSet]] = field(default_factory=dict, repr=False)
+    skip: bool = False
+    _known: dict[str, tuple[Cue, TrainingSet, Rows]] = field(default_factory=dict, repr=False)
+    #: The cues of which it is said already that they could not use some samples.
+    _said: set[str] = field(default_factory=set, repr=False)
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -84,21 +89,30 @@ class Samples:
     def training_set(self, name: str, cue: Cue) -> TrainingSet:
         """Return what the classifier of a cue is trained on.
 
-        A cue that learns is fitted first, once: later calls with it return the same set.
+        A cue that learns is fitted first, once: later calls with it return the same set. Samples
+        of which it then makes nothing are left out, and it is said.
         """
-        known = self._known.get(name)
-        if known is None or known[0] is not cue:
-            if cue.learns:
-                self._learn(cue, np.arange(len(self)))
-            training = self._seen_by(cue) if cue.learns else self._set(*self.extracted[name])
-            known = self._known[name] = cue, training
-        return known[1]
+        return self._training(name, cue)[0]
 
-    def features(self, name: str, cue: Cue) -> FeatureBatch:
-        """Return the features of all samples as recorded, by a cue that has learned elsewhere."""
+    def trained_on(self, name: str, cue: Cue) -> Rows:
+        """Return which of the samples :meth:`training_set` holds."""
+        return self._training(name, cue)[1]
+
+    def features(self, name: str, cue: Cue) -> Extracted:
+        """Return the features of the samples as recorded, by a cue that has learned elsewhere.
+
+        Those of which it makes nothing are said.
+
+        Raises
+        ------
+        DataError
+            If it makes nothing of any.
+        """
         if not cue.learns:
-            return self.extracted[name][0]
-        return self.extraction.transform(cue, self.reread())
+            return Extracted(np.arange(len(self)), self.extracted[name][0])
+        found = self.extraction.gather(cue, self.reread(), skip=self.skip)
+        self._report(name, found.failed)
+        return found
 
     def reread(self, rows: Rows | None = None) -> Reread:
         """Return the observations of the given samples (all by default), to be read again."""
@@ -108,21 +122,60 @@ class Samples:
         """Return all samples as a copy of a cue sees them that has learned from some."""
         copy: Cue = clone(cue)
         self._learn(copy, rows)
-        return self._seen_by(copy)
+        views = []
+        for found in self._views(copy):
+            for error in found.failed.values():
+                raise error
+            assert found.features is not None  # or all had failed
+            views.append(found.features)
+        return self._seen(cue, views)
+
+    def _training(self, name: str, cue: Cue) -> tuple[TrainingSet, Rows]:
+        known = self._known.get(name)
+        if known is None or known[0] is not cue:
+            found = self._learned(name, cue) if cue.learns else self._extracted(name)
+            known = self._known[name] = cue, *found
+        return known[1:]
+
+    def _extracted(self, name: str) -> tuple[TrainingSet, Rows]:
+        return self._set(*self.extracted[name]), np.arange(len(self))
+
+    def _learned(self, name: str, cue: Cue) -> tuple[TrainingSet, Rows]:
+        """Let a cue learn, and return the samples of which it makes something in every view."""
+        self._learn(cue, np.arange(len(self)))
+        found = self._views(cue)
+        failed = {row: error for each in found for row, error in each.failed.items()}
+        self._report(name, failed)
+        rows = np.array([row for row in range(len(self)) if row not in failed], dtype=np.int64)
+        there = [
+            take(each.features, _in(each.rows, rows)) for each in found if each.features is not None
+        ]
+        return (self.take(rows) if failed else self)._seen(cue, there), rows
+
+    def _report(self, name: str, failed: Mapping[int, UnusableObservation]) -> None:
+        """Say of how many samples a cue makes nothing, once a cue."""
+        faults = Faults(f"cue {name}")
+        for row in sorted(failed):
+            faults.pass_over(failed[row])
+        if name not in self._said or len(failed) == len(self):
+            faults.report_of(len(self))
+        if failed:
+            self._said.add(name)
 
     def _learn(self, cue: Cue, rows: Rows) -> None:
         rows = np.unique(rows)  # they are read again in their order, and once
         origins = [self.origins[row] for row in rows]
         self.extraction.fit(cue, self.reread(rows), self.labels[rows], origins)
 
-    def _seen_by(self, cue: Cue) -> TrainingSet:
-        transform, reread = self.extraction.transform, self.reread()
-        copies = (
-            transform(cue, map(partial(augmented, cue, augment), reread))
-            for augment in cue.augmentations()
-        )
-        seen = self._set(transform(cue, reread), *copies)
-        return replace(seen, relearn=partial(self.relearned, cue))
+    def _views(self, cue: Cue) -> list[Extracted]:
+        """Return what a cue makes of the samples as recorded, and of their augmented copies."""
+        gather, reread = self.extraction.gather, self.reread()
+        recorded = gather(cue, reread, skip=self.skip)
+        altered = (partial(augmented, cue, augment) for augment in cue.augmentations())
+        return [recorded, *(gather(cue, map(each, reread), skip=self.skip) for each in altered)]
+
+    def _seen(self, cue: Cue, views: Sequence[FeatureBatch]) -> TrainingSet:
+        return replace(self._set(*views), relearn=partial(self.relearned, cue))
 
     def _set(self, recorded: FeatureBatch, *augmented: FeatureBatch) -> TrainingSet:
         return TrainingSet(
@@ -179,7 +232,7 @@ class _Gathered:
                 kept.append(batch if len(rows) == len(there) else take(batch, _in(there, rows)))
 
     def joined(self) -> tuple[FeatureBatch, ...]:
-        return tuple(map(join, self.kept))
+        return tuple(joined(self.cue, batches) for batches in self.kept)
 
 
 def collect(
@@ -225,13 +278,13 @@ def collect(
     extraction = Extraction() if extraction is None else extraction
     required: tuple[Part, ...] = tuple({part for cue in cues.values() for part in cue.requires})
     gathered = [_Gathered(cue, extraction, skip) for cue in cues.values() if not cue.learns]
-    reading, kept, skipped = _Labelled(observations), list[tuple[Any, ...]](), Skipped()
+    reading, kept, faults = _Labelled(observations), list[tuple[Any, ...]](), Faults()
     for some in batched(reading, BATCH):
-        usable = _usable([each for _, each in some], required, bool(learning), skipped)
+        usable = _usable([each for _, each in some], required, bool(learning), faults)
         seen = [some[row] for row in usable]
-        rows = _extract(gathered, [each for _, each in seen], skipped)
+        rows = _extract(gathered, [each for _, each in seen], faults)
         kept += [(o.label, o.stamp, number, o.origin) for number, o in (seen[row] for row in rows)]
-    _check(reading, skipped)
+    _check(reading, faults)
     labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
     names = (n for n, cue in cues.items() if not cue.learns)
     return Samples(
@@ -244,6 +297,7 @@ def collect(
         origins=origins,
         extraction=extraction,
         folds=InterleavedChunks() if folds is None else folds,
+        skip=skip,
     )
 
 
@@ -266,7 +320,7 @@ def _usable(
     observations: Sequence[Observation],
     required: tuple[Part, ...],
     learning: bool,
-    skipped: Skipped,
+    faults: Faults,
 ) -> list[int]:
     """Return the observations that have every part that a cue needs."""
     rows = []
@@ -277,12 +331,12 @@ def _usable(
                 _ = observation.image
             rows.append(row)
         except UnusableObservation as error:
-            skipped.add(error)
+            faults.pass_over(error)
     return rows
 
 
 def _extract(
-    gathered: Sequence[_Gathered], observations: Sequence[Observation], skipped: Skipped
+    gathered: Sequence[_Gathered], observations: Sequence[Observation], faults: Faults
 ) -> Rows:
     """Extract every cue from a batch; keep and return the rows that all of them have."""
     found = []
@@ -293,7 +347,7 @@ def _extract(
         failed |= {row: error for row, error in unusable.items() if row not in failed}
     rows = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
     for row in sorted(failed):
-        skipped.add(failed[row])
+        faults.pass_over(failed[row])
     for of_cue, views in zip(gathered, found, strict=True):
         of_cue.keep(views, rows)
     return rows
@@ -312,10 +366,10 @@ def _groups(origins: Sequence[Origin | None]) -> NDArray[np.int64] | None:
     return np.unique(logs, return_inverse=True)[1].astype(np.int64)
 
 
-def _check(reading: _Labelled, skipped: Skipped) -> None:
+def _check(reading: _Labelled, faults: Faults) -> None:
     if not reading.labelled:
         raise DataError(
             f"none of the {reading.total} observations has a label: training needs a label "
             "channel, an interval CSV (labels=FILE) or a source that labels"
         )
-    skipped.report(reading.labelled)
+    faults.report_of(reading.labelled)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from inspect import signature
 from pathlib import Path
@@ -27,11 +27,11 @@ from placecue.logs.joining.reading import Reading
 from placecue.logs.joining.topics import Choice
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.geometry import TransformTree
+from placecue.logs.options import LogOptions
 from placecue.observation import PARTS, Observation, Part
-from placecue.source import Source
 
 
-class McapLog(Source):
+class McapLog(LogOptions):
     """One MCAP file: ROS 1, ROS 2 or Foxglove messages, joined to observations by time.
 
     Each image makes an observation, or each scan where there are no images, with the nearest
@@ -41,77 +41,10 @@ class McapLog(Source):
     a depth camera gives virtual scans.
     Nothing is decoded that is not asked for, and memory does not grow with the log.
 
-    Parameters
-    ----------
-    path : str
-        The file.
-    image_topic, scan_topic, pose_topic, label_topic : str, optional
-        Topics to take; needed where several could give a part.
-    labels : str, optional
-        CSV file with the columns start, end, label (see :class:`Intervals`); it takes the place
-        of a label topic.
-    parts : list of str, optional
-        What to read, of image, scan, pose and label; all by default. Topics of other parts are
-        neither read nor asked about.
-    tolerance : float
-        How far apart an image and its scan, or a lone pose, may be, s.
-    window : float
-        How late a message may be written against others of the same time, s.
-    pose_gap : float
-        How far apart two poses may be to interpolate between them, s.
-    base_frame : str, optional
-        The robot's own frame; base_link, base_footprint or base by default.
-    laser_frame : str, optional
-        The laser's frame, where the scans name a wrong one.
-    pose_frame : str, optional
-        The fixed frame, where poses come from transforms; odom, map or world by default.
-    range_max : float
-        The scanner's limit where messages do not say it (Foxglove's do not), m.
-    transform_horizon : float
-        How much of the beginning is searched for transforms that are not static, s.
-    start, end : float, optional
-        The part of the log to read, s from its first message by log time.
+    Its parameters are those of :class:`LogOptions`.
     """
 
-    def __init__(
-        self,
-        path: str,
-        image_topic: str | None = None,
-        scan_topic: str | None = None,
-        pose_topic: str | None = None,
-        label_topic: str | None = None,
-        labels: str | None = None,
-        parts: Sequence[str] | None = None,
-        tolerance: float = 0.1,
-        window: float = 1.0,
-        pose_gap: float = 1.0,
-        base_frame: str | None = None,
-        laser_frame: str | None = None,
-        pose_frame: str | None = None,
-        range_max: float = 30.0,
-        transform_horizon: float = 10.0,
-        start: float | None = None,
-        end: float | None = None,
-    ) -> None:
-        self.path = path
-        self.image_topic = image_topic
-        self.scan_topic = scan_topic
-        self.pose_topic = pose_topic
-        self.label_topic = label_topic
-        self.labels = labels
-        self.parts = parts
-        self.tolerance = tolerance
-        self.window = window
-        self.pose_gap = pose_gap
-        self.base_frame = base_frame
-        self.laser_frame = laser_frame
-        self.pose_frame = pose_frame
-        self.range_max = range_max
-        self.transform_horizon = transform_horizon
-        self.start = start
-        self.end = end
-        self.name = Path(path).name
-        self._faults_told = False
+    _faults_told = False
 
     # What the log is, looked up on first use.
 
@@ -289,7 +222,7 @@ def open_log(path: str | Path, **options: Any) -> McapLog:
     path : str or Path
         The file.
     **options
-        Parameters of :class:`McapLog`.
+        Parameters of :class:`LogOptions`.
 
     Raises
     ------

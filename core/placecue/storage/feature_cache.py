@@ -256,8 +256,7 @@ class _Keys:
         provided = self.registry.find(cue)
         kind = type(cue)
         parameters = json.loads(_json(cue.get_params(deep=False)))
-        usual = {name: each.default for name, each in signature(kind).parameters.items()}
-        usual = json.loads(_json(usual))
+        usual = _usual(kind)
         return {
             "cue": kind.__name__ if provided is None else provided.component.name,
             "class": f"{kind.__module__}.{kind.__qualname__}",
@@ -265,8 +264,32 @@ class _Keys:
             "libraries": _libraries(cue),
             "inside": _versions(cue.get_params(deep=False)),
             "parameters": parameters,
-            "changed": {n: value for n, value in parameters.items() if value != usual.get(n)},
+            "changed": {
+                name: self._shown(getattr(cue, name))
+                for name, value in parameters.items()
+                if value != usual.get(name)
+            },
         }
+
+    def _shown(self, value: Any) -> Any:
+        """Return a parameter for a person: of a component its name, and what is unlike its usual.
+
+        What stands in lists and mappings is left as it is.
+        """
+        if not hasattr(value, "get_params"):
+            return json.loads(_json(value))
+        provided, usual = self.registry.find(value), _usual(type(value))
+        name = type(value).__name__ if provided is None else provided.component.name
+        given = json.loads(_json(value.get_params(deep=False)))
+        changed = {key: each for key, each in given.items() if each != usual.get(key)}
+        return {"plugin": name, **changed} if changed else name
+
+
+def _usual(kind: type) -> dict[str, Any]:
+    """Return the defaults of parameters as plain data."""
+    defaults = {name: each.default for name, each in signature(kind).parameters.items()}
+    plain: dict[str, Any] = json.loads(_json(defaults))
+    return plain
 
 
 def _libraries(cue: Cue) -> dict[str, str]:

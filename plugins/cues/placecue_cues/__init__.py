@@ -32,6 +32,13 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="cue",
+            name="dense_sift",
+            factory="placecue_cues.dense_sift:DenseSift",
+            summary="RootSIFT descriptors of patches on a grid, at several scales",
+            requires=("image",),
+        ),
+        Component(
+            kind="cue",
             name="gist",
             factory="placecue_cues.gist:Gist",
             summary="Gabor energies over a coarse grid of the image (Oliva & Torralba 2001)",
@@ -48,14 +55,14 @@ def placecue_components() -> list[Component]:
             kind="cue",
             name="fisher_vector",
             factory="placecue_cues.fisher_vector:FisherVector",
-            summary="Fisher vector of dense RootSIFT (Perronnin et al. 2010)",
+            summary="Fisher vector of local descriptors (Perronnin et al. 2010)",
             requires=("image",),
         ),
         Component(
             kind="cue",
             name="bag_of_words",
             factory="placecue_cues.bag_of_words:BagOfWords",
-            summary="Histogram of visual words of dense RootSIFT (Csurka et al. 2004)",
+            summary="Histogram of visual words (Csurka et al. 2004)",
             requires=("image",),
         ),
     ]

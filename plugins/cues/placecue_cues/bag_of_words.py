@@ -15,11 +15,12 @@ from placecue.observation import Observation, Part
 
 from .dense_sift import DenseSift
 from .descriptor_sample import descriptor_sample
+from .local_descriptors import check_descriptors, patches_of
 from .pyramid import cells, check_pyramid
 
 
 class BagOfWords(Cue):
-    """Histogram of visual words over dense RootSIFT descriptors, float64 summing to one.
+    """Histogram of visual words over local descriptors, float64 summing to one.
 
     Its shape is (words * cells of the pyramid,). An image without any contrast gives zeros. The
     words are cluster centres learned from a random sample of the training images' descriptors.
@@ -28,9 +29,8 @@ class BagOfWords(Cue):
     ----------
     words : int
         Size of the codebook.
-    longest_side, step, cells, contrast
-        Of the descriptors' grid, see :class:`placecue_cues.dense_sift.DenseSift`: pixels, pixels,
-        pixels, grey levels a pixel.
+    descriptors : Cue, optional
+        A cue of local descriptors, such as SIFT; by default DenseSift().
     pyramid : sequence of int
         A level of k cuts the image into k x k cells with a histogram each; all levels weigh the
         same.
@@ -41,7 +41,7 @@ class BagOfWords(Cue):
 
     Attributes
     ----------
-    words_ : ndarray of float32, shape (words, 128)
+    words_ : ndarray of float32, shape (words, d)
         The cluster centres.
 
     References
@@ -56,19 +56,13 @@ class BagOfWords(Cue):
     def __init__(
         self,
         words: int = 500,
-        longest_side: int = 320,
-        step: int = 6,
-        cells: Sequence[int] = (4, 6, 8, 10),
-        contrast: float = 1.0,
+        descriptors: Cue | None = None,
         pyramid: Sequence[int] = (1,),
         sample: int = 50_000,
         random_state: int = 0,
     ) -> None:
         self.words = words
-        self.longest_side = longest_side
-        self.step = step
-        self.cells = cells
-        self.contrast = contrast
+        self.descriptors = descriptors
         self.pyramid = pyramid
         self.sample = sample
         self.random_state = random_state
@@ -83,7 +77,7 @@ class BagOfWords(Cue):
         UsageError
             If a parameter cannot be.
         """
-        grid = self._grid()
+        local = self._local()
         if not 1 <= self.words <= self.sample:
             raise UsageError(
                 f"bag_of_words needs words >= 1 and a sample of as many or more, got {self.words} "
@@ -91,7 +85,7 @@ class BagOfWords(Cue):
             )
         descriptors = descriptor_sample(
             observations,
-            lambda each: grid.extract(each, "bag_of_words").descriptors,
+            lambda each: patches_of(local, each, "bag_of_words").descriptors,
             self.sample,
             self.random_state,
             self.words,
@@ -111,7 +105,7 @@ class BagOfWords(Cue):
         """
         if not hasattr(self, "words_"):
             raise UsageError("bag_of_words learns: fit it on training images first")
-        patches = self._grid().extract(observation, "bag_of_words")
+        patches = patches_of(self._local(), observation, "bag_of_words")
         likeness = patches.descriptors @ self.words_.T
         likeness -= np.einsum("ij,ij->i", self.words_, self.words_) / 2
         nearest = likeness.argmax(axis=1)
@@ -122,8 +116,8 @@ class BagOfWords(Cue):
         histogram = np.concatenate(counts)
         return np.asarray(histogram / max(histogram.sum(), 1))
 
-    def _grid(self) -> DenseSift:
+    def _local(self) -> Cue:
         check_pyramid(self.pyramid, "bag_of_words")
-        grid = DenseSift(self.longest_side, self.step, tuple(self.cells), self.contrast)
-        grid.check("bag_of_words")
-        return grid
+        local = DenseSift() if self.descriptors is None else self.descriptors
+        check_descriptors(local, self.pyramid, "bag_of_words")
+        return local

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -13,9 +12,8 @@ from placecue.errors import UnusableObservation, UsageError
 from placecue.observation import Observation
 
 from .images import grey
+from .local_descriptors import LocalDescriptors, Patches, Single
 from .root_sift import root_sift
-
-Single = NDArray[np.float32]
 
 _ORIENTATIONS = 8
 _CELLS = 4
@@ -25,29 +23,12 @@ _CUT = np.float32(0.2)
 _BLUR = 1 / 6
 
 
-@dataclass(frozen=True, slots=True)
-class Patches:
-    """Descriptors and where they are.
-
-    Parameters
-    ----------
-    descriptors : ndarray of float32, shape (n, 128)
-        Of unit length.
-    places : ndarray of float32, shape (n, 2)
-        Row and column of the patch's centre as shares of the image, in [0, 1].
-    """
-
-    descriptors: Single
-    places: Single
-
-
-@dataclass(frozen=True, slots=True)
-class DenseSift:
-    """Upright RootSIFT descriptors of all patches of a grid that have contrast.
+class DenseSift(LocalDescriptors):
+    """Upright RootSIFT descriptors of all patches of a grid that have contrast, shape (n, 128).
 
     A descriptor holds for each of 4 x 4 square cells a histogram of 8 gradient directions,
     linearly interpolated in place and direction as in SIFT, the cells weighted by SIFT's Gaussian
-    at their centres.
+    at their centres. They are float32 of unit length; an image without any contrast has none.
 
     Parameters
     ----------
@@ -55,43 +36,57 @@ class DenseSift:
         The image is reduced to this first, pixels; a smaller one stays as it is.
     step : int
         Distance between patches, pixels.
-    cells : tuple of int
+    cells : sequence of int
         Widths of a cell, pixels; one scale each. A patch is four cells wide.
     contrast : float
         Patches whose descriptor, before it is made to unit length, is shorter are left out. Its
         entries then are mean gradients over the cells, grey levels a pixel.
+
+    References
+    ----------
+    Lowe, IJCV 60(2), 2004. Arandjelovic and Zisserman, CVPR 2012 (RootSIFT).
     """
 
-    longest_side: int
-    step: int
-    cells: tuple[int, ...]
-    contrast: float
+    def __init__(
+        self,
+        longest_side: int = 320,
+        step: int = 6,
+        cells: Sequence[int] = (4, 6, 8, 10),
+        contrast: float = 1.0,
+    ) -> None:
+        self.longest_side = longest_side
+        self.step = step
+        self.cells = cells
+        self.contrast = contrast
 
-    def check(self, cue: str) -> None:
-        """Raise UsageError, in the name of a cue, if a parameter cannot be."""
+    def check_parameters(self) -> None:
+        """Raise UsageError if a parameter cannot be."""
         if not self.cells or min(self.longest_side, self.step, *self.cells) < 1:
             raise UsageError(
-                f"{cue} needs longest_side, step and cells of at least 1 pixel, got "
+                "dense_sift needs longest_side, step and cells of at least 1 pixel, got "
                 f"{self.longest_side}, {self.step} and {list(self.cells)}"
             )
         if not self.contrast >= 0:
-            raise UsageError(f"{cue} needs contrast >= 0, got {self.contrast}")
+            raise UsageError(f"dense_sift needs contrast >= 0, got {self.contrast}")
 
-    def extract(self, observation: Observation, cue: str) -> Patches:
-        """Return the patches of an observation's image.
+    def patches(self, observation: Observation) -> Patches:
+        """Return the descriptors of the observation's image and their places.
 
         Raises
         ------
         UnusableObservation
             If the image is not an 8-bit RGB or 8 or 16-bit grey one, or too small for one patch.
+        UsageError
+            If a parameter cannot be.
         """
-        plane = self._reduced(grey(observation, cue))
+        self.check_parameters()
+        plane = self._reduced(grey(observation, "dense_sift"))
         scales = [self._scale(plane, cell) for cell in self.cells if _fits(plane, cell)]
         if not scales:
             height, width = plane.shape
             raise UnusableObservation(
-                f"the image is {width}x{height} pixels, {cue} needs {_CELLS * min(self.cells)} "
-                "each way for its smallest patch"
+                f"the image is {width}x{height} pixels, dense_sift needs "
+                f"{_CELLS * min(self.cells)} each way for its smallest patch"
             )
         return Patches(*(np.concatenate(parts) for parts in zip(*scales, strict=True)))
 

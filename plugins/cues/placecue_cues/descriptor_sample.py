@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.errors import DataError, UnusableObservation
+from placecue.faults import Faults
 from placecue.observation import Observation
 from placecue.progress import track
-from placecue.skipped import Skipped
 
 Single = NDArray[np.float32]
 
@@ -32,7 +32,8 @@ def descriptor_sample(
     observations : iterable of Observation
         Iterated once; unusable ones are passed over and reported once.
     describe : callable
-        Gives the (n, d) descriptors of an observation.
+        Gives the (n, d) descriptors of an observation; raises UnusableObservation where there
+        is nothing to describe.
     size : int
         How many to return at most.
     random_state : int
@@ -52,16 +53,15 @@ def descriptor_sample(
         If no observation is usable, or all together have fewer than ``enough`` descriptors.
     """
     generator = np.random.default_rng(random_state)
-    skipped, total = Skipped(), 0
+    faults, total = Faults(), 0
     kept: list[Single] = []
     draws: list[NDArray[np.float64]] = []
     for observation in track(observations, f"learning {cue}"):
         total += 1
         try:
-            observation.require(("image",))
             descriptors = describe(observation)
         except UnusableObservation as error:
-            skipped.add(error)
+            faults.pass_over(error)
             continue
         draw = generator.random(len(descriptors))
         # Of one image no more than can be returned: those with the smallest draws.
@@ -70,7 +70,7 @@ def descriptor_sample(
         draws.append(draw[chosen])
         if sum(map(len, draws)) > 2 * size:
             kept, draws = _cut(kept, draws, size)
-    skipped.report(total)
+    faults.report_of(total)
     count = sum(map(len, draws))
     if count < enough:
         raise DataError(

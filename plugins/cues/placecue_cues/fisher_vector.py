@@ -19,11 +19,12 @@ from placecue.observation import Observation, Part
 from .dense_sift import DenseSift
 from .descriptor_sample import descriptor_sample
 from .fisher import Mixture, Single, power_normalised
+from .local_descriptors import check_descriptors, patches_of
 from .pyramid import cells, check_pyramid
 
 
 class FisherVector(Cue):
-    """Fisher vector of dense RootSIFT descriptors, float32 of unit length.
+    """Fisher vector of local descriptors, float32 of unit length.
 
     Its shape is (2 * components * gaussians * cells of the pyramid,). An image without any
     contrast gives zeros. Principal components and Gaussian mixture are learned from a random
@@ -35,9 +36,8 @@ class FisherVector(Cue):
         Principal components that descriptors are reduced to.
     gaussians : int
         Gaussians of the mixture.
-    longest_side, step, cells, contrast
-        Of the descriptors' grid, see :class:`placecue_cues.dense_sift.DenseSift`: pixels, pixels,
-        pixels, grey levels a pixel.
+    descriptors : Cue, optional
+        A cue of local descriptors, such as SIFT; by default DenseSift().
     pyramid : sequence of int
         A level of k cuts the image into k x k cells with a Fisher vector each.
     sample : int
@@ -49,8 +49,8 @@ class FisherVector(Cue):
 
     Attributes
     ----------
-    center_ : ndarray of float32, shape (128,)
-    components_ : ndarray of float32, shape (components, 128)
+    center_ : ndarray of float32, shape (d,)
+    components_ : ndarray of float32, shape (components, d)
     weights_ : ndarray of float64, shape (gaussians,)
     means_, variances_ : ndarray of float64, shape (gaussians, components)
 
@@ -66,10 +66,7 @@ class FisherVector(Cue):
         self,
         components: int = 48,
         gaussians: int = 64,
-        longest_side: int = 320,
-        step: int = 6,
-        cells: Sequence[int] = (4, 6, 8, 10),
-        contrast: float = 1.0,
+        descriptors: Cue | None = None,
         pyramid: Sequence[int] = (1,),
         sample: int = 50_000,
         iterations: int = 30,
@@ -77,10 +74,7 @@ class FisherVector(Cue):
     ) -> None:
         self.components = components
         self.gaussians = gaussians
-        self.longest_side = longest_side
-        self.step = step
-        self.cells = cells
-        self.contrast = contrast
+        self.descriptors = descriptors
         self.pyramid = pyramid
         self.sample = sample
         self.iterations = iterations
@@ -96,7 +90,7 @@ class FisherVector(Cue):
         UsageError
             If a parameter cannot be.
         """
-        grid = self._grid()
+        local = self._local()
         enough = max(self.components, self.gaussians) + 1
         if min(self.components, self.gaussians, self.iterations) < 1 or self.sample < enough:
             raise UsageError(
@@ -104,16 +98,19 @@ class FisherVector(Cue):
                 f"larger than the first two, got {self.components}, {self.gaussians}, "
                 f"{self.iterations} and {self.sample}"
             )
-        if self.components > 128:
-            raise UsageError(f"fisher_vector has components up to 128, got {self.components}")
         descriptors = descriptor_sample(
             observations,
-            lambda each: grid.extract(each, "fisher_vector").descriptors,
+            lambda each: patches_of(local, each, "fisher_vector").descriptors,
             self.sample,
             self.random_state,
             enough,
             "fisher_vector",
         )
+        if self.components > descriptors.shape[1]:
+            raise UsageError(
+                f"fisher_vector has components up to {descriptors.shape[1]}, the length of its "
+                f"descriptors, got {self.components}"
+            )
         pca = PCA(self.components, svd_solver="covariance_eigh").fit(descriptors)
         self.center_ = pca.mean_.astype(np.float32)
         self.components_ = pca.components_.astype(np.float32)
@@ -130,7 +127,7 @@ class FisherVector(Cue):
         """
         if not hasattr(self, "means_"):
             raise UsageError("fisher_vector learns: fit it on training images first")
-        patches = self._grid().extract(observation, "fisher_vector")
+        patches = patches_of(self._local(), observation, "fisher_vector")
         x = self._project(patches.descriptors)
         mixture = Mixture(self.weights_, self.means_, self.variances_)
         posteriors = mixture.posteriors(x)
@@ -141,11 +138,11 @@ class FisherVector(Cue):
         joined = np.concatenate(parts)
         return joined / max(np.linalg.norm(joined), np.float32(1e-12))
 
-    def _grid(self) -> DenseSift:
+    def _local(self) -> Cue:
         check_pyramid(self.pyramid, "fisher_vector")
-        grid = DenseSift(self.longest_side, self.step, tuple(self.cells), self.contrast)
-        grid.check("fisher_vector")
-        return grid
+        local = DenseSift() if self.descriptors is None else self.descriptors
+        check_descriptors(local, self.pyramid, "fisher_vector")
+        return local
 
     def _project(self, descriptors: Single) -> Single:
         return np.asarray((descriptors - self.center_) @ self.components_.T)

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from placecue.cue import Cue
 from placecue.errors import UsageError
-from placecue.observation import Observation, Part
+from placecue.observation import Observation
 
 from .images import grey
+from .local_descriptors import LocalDescriptors, Patches
 from .root_sift import root_sift
 
 _LENGTH = 128
 
 
-class SIFT(Cue):
+class SIFT(LocalDescriptors):
     """SIFT descriptors at the extrema of differences of Gaussians, float32 of shape (n, 128).
 
     They come in order of falling response. An image without interest points, such as a bare wall,
@@ -46,8 +45,6 @@ class SIFT(Cue):
     Arandjelovic and Zisserman, CVPR 2012 (RootSIFT).
     """
 
-    requires: ClassVar[tuple[Part, ...]] = ("image",)
-
     def __init__(
         self,
         keypoints: int = 150,
@@ -64,8 +61,8 @@ class SIFT(Cue):
         self.octave_layers = octave_layers
         self.sigma = sigma
 
-    def extract(self, observation: Observation) -> NDArray[np.float32]:
-        """Return the descriptors of the observation's image, shape (n, 128).
+    def patches(self, observation: Observation) -> Patches:
+        """Return the descriptors of the observation's image, shape (n, 128), and their places.
 
         Raises
         ------
@@ -74,13 +71,16 @@ class SIFT(Cue):
         UsageError
             If a parameter cannot be.
         """
-        found, descriptors = self._detector().detectAndCompute(grey(observation, "sift"), None)
+        plane = grey(observation, "sift")
+        found, descriptors = self._detector().detectAndCompute(plane, None)
         if descriptors is None:
-            return np.empty((0, _LENGTH), np.float32)
+            return Patches(np.empty((0, _LENGTH), np.float32), np.empty((0, 2), np.float32))
         # OpenCV's own cap keeps ties and its order is that of the pyramid.
         order = sorted(range(len(found)), key=lambda i: _rank(found[i]))[: self.keypoints]
         strongest = np.ascontiguousarray(descriptors[order], dtype=np.float32)
-        return root_sift(strongest, out=True) if self.root else strongest
+        places = np.array([found[i].pt[::-1] for i in order], np.float32) / plane.shape
+        shares = np.clip(places, 0, 1).astype(np.float32)
+        return Patches(root_sift(strongest, out=True) if self.root else strongest, shares)
 
     def _detector(self) -> Any:
         positive = ("keypoints", "contrast_threshold", "edge_threshold", "octave_layers", "sigma")

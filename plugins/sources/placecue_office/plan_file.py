@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from placecue import Feature, read_geojson
 from placecue.errors import DataError, UsageError, choices
 from placecue_office.plan import Furniture, Panel, Plan, Points, Room, Wall
 
@@ -50,27 +50,25 @@ def read_plan(path: str | Path) -> Plan:
     DataError
         If the file cannot be read, or a feature is not of a known kind or lacks a property.
     """
+    collection = read_geojson(path, "the plan")
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
-        return _plan(document["name"], float(document.get("height", 2.7)), document["features"])
-    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+        height = float(collection.members.get("height", 2.7))
+        return _plan(str(collection.members["name"]), height, collection.features)
+    except (ValueError, KeyError, TypeError, IndexError) as error:
         raise DataError(f"{path} is not a plan (GeoJSON in metres): {error!r}") from error
 
 
-def _plan(name: str, height: float, features: Iterable[Mapping[str, Any]]) -> Plan:
+def _plan(name: str, height: float, features: Iterable[Feature]) -> Plan:
     kinds: dict[str, list[Any]] = {kind: [] for kind in _READERS}
-    for number, feature in enumerate(features):
-        properties = feature["properties"]
-        kind = properties["kind"]
+    for feature in features:
+        kind = str(feature.properties.get("kind"))
         if kind not in kinds:
-            raise DataError(
-                f"feature {number} of plan '{name}' is a '{kind}': {choices(kind, kinds)}"
-            )
-        points = _points(feature["geometry"])
+            raise DataError(f"{feature.where} is a '{kind}': {choices(kind, kinds)}")
+        points = _points(feature)
         try:
-            kinds[kind].extend(_READERS[kind](points, properties, height))
+            kinds[kind].extend(_READERS[kind](points, feature.properties, height))
         except KeyError as error:
-            raise DataError(f"feature {number} of plan '{name}' ({kind}) lacks {error}") from error
+            raise DataError(f"{feature.where} ({kind}) lacks {error}") from error
     if not kinds["room"] or not kinds["tour"]:
         raise DataError(f"plan '{name}' needs at least one room and a tour")
     return Plan(
@@ -89,11 +87,13 @@ def _keyed(items: list[Any], first: int) -> tuple[Any, ...]:
     return tuple(replace(item, key=first + number) for number, item in enumerate(items))
 
 
-def _points(geometry: Mapping[str, Any]) -> Points:
-    coordinates = np.array(geometry["coordinates"], dtype=float)
-    if geometry["type"] == "Polygon":
-        return counter_clockwise(coordinates[0][:-1])
-    return np.atleast_2d(coordinates)
+def _points(feature: Feature) -> Points:
+    """Return the corners of a polygon, counter-clockwise, or the points of a line, shape (k, 2)."""
+    for outline, *_ in feature.polygons():
+        return counter_clockwise(outline[:-1])
+    for points in (*feature.lines(), *feature.points()):
+        return points
+    raise DataError(f"{feature.where} is no Polygon, LineString or Point")
 
 
 def counter_clockwise(outline: Points) -> Points:

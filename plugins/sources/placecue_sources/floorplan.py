@@ -18,7 +18,7 @@ from placecue_sources.clutter import cluttered
 from placecue_sources.contents import digest_of, existing
 from placecue_sources.drive import Drive
 from placecue_sources.plan import Plan
-from placecue_sources.plan_geojson import read_geojson
+from placecue_sources.plan_geojson import read_floor
 from placecue_sources.plan_picture import read_picture
 from placecue_sources.random_poses import RandomPoses
 from placecue_sources.scanner import Scanner
@@ -194,7 +194,7 @@ class FloorPlan(Source):
 
     def _read(self, path: Path, resolution: float) -> Plan:
         if path.suffix.lower() in (".geojson", ".json"):
-            return read_geojson(path, self.class_property, resolution, self.wall_thickness)
+            return read_floor(path, self.class_property, resolution, self.wall_thickness)
         return read_picture(path, LEGEND if self.legend is None else self.legend, resolution)
 
     def _cluttered(self, plan: Plan) -> Plan:

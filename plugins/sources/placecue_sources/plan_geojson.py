@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue import Feature, read_geojson
 from placecue.errors import DataError
-from placecue_sources.contents import read_bytes
 from placecue_sources.plan import WALL, Plan
 
 MOST_CELLS = 50_000_000
@@ -38,7 +36,7 @@ class Shape:
     label: str | None
 
 
-def read_geojson(path: Path, class_property: str, resolution: float, wall_thickness: float) -> Plan:
+def read_floor(path: Path, class_property: str, resolution: float, wall_thickness: float) -> Plan:
     """Read a plan from a FeatureCollection.
 
     A Polygon or MultiPolygon is free space of the class that its property names; holes in it are
@@ -63,7 +61,8 @@ def read_geojson(path: Path, class_property: str, resolution: float, wall_thickn
     DataError
         If the file is not GeoJSON, has no labelled polygon, or is too large to be in metres.
     """
-    shapes = [shape for feature in _features(path) for shape in _shapes(feature, class_property)]
+    features = read_geojson(path, "the plan").features
+    shapes = [shape for feature in features for shape in _shapes(feature, class_property)]
     rooms = [shape for shape in shapes if shape.label is not None]
     if not rooms:
         raise DataError(f"{path} has no polygon with the property {class_property!r}")
@@ -78,38 +77,15 @@ def read_geojson(path: Path, class_property: str, resolution: float, wall_thickn
     return Plan.of(path.stem, labels, classes, resolution, origin)
 
 
-def _features(path: Path) -> Sequence[Mapping[str, Any]]:
-    try:
-        content = json.loads(read_bytes(path))
-        features: Sequence[Mapping[str, Any]] = content["features"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise DataError(f"{path} is not a GeoJSON FeatureCollection ({error})") from error
-    return features
-
-
-def _shapes(feature: Mapping[str, Any], class_property: str) -> Iterator[Shape]:
+def _shapes(feature: Feature, class_property: str) -> Iterator[Shape]:
     """Yield the shapes of one feature; what is neither room nor wall gives none."""
-    try:
-        properties = feature.get("properties") or {}
-        geometry = feature["geometry"]
-        kind, coordinates = geometry["type"], geometry["coordinates"]
-        label = properties.get(class_property)
-        if kind in ("Polygon", "MultiPolygon") and label is not None:
-            for polygon in [coordinates] if kind == "Polygon" else coordinates:
-                yield Shape(_rings(polygon), str(label))
-        elif kind in ("LineString", "MultiLineString") and properties.get("wall"):
-            for line in [coordinates] if kind == "LineString" else coordinates:
-                yield Shape(_rings([line]), None)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise DataError(f"a feature of the GeoJSON plan is malformed: {error!r}") from error
-
-
-def _rings(rings: Sequence[Any]) -> Rings:
-    """Return point lists as arrays; a third coordinate is left out."""
-    arrays = [np.asarray(ring, dtype=np.float64)[:, :2] for ring in rings]
-    if not arrays or any(len(ring) < 2 or not np.isfinite(ring).all() for ring in arrays):
-        raise ValueError("a line of fewer than two points, or not of numbers")
-    return arrays
+    label = feature.properties.get(class_property)
+    if label is not None:
+        for polygon in feature.polygons():
+            yield Shape(list(polygon), str(label))
+    if feature.properties.get("wall"):
+        for line in feature.lines():
+            yield Shape([line], None)
 
 
 def _extent(

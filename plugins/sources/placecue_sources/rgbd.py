@@ -14,7 +14,7 @@ from placecue.errors import UnusableObservation, UsageError
 from placecue.observation import LaserScan, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources.contents import digest_of
-from placecue_sources.rgbd_files import Faults, depth_image, picture
+from placecue_sources.rgbd_files import Parts, depth_image, picture
 from placecue_sources.rgbd_frames import (
     Columns,
     Frame,
@@ -150,16 +150,16 @@ class RGBD(Source):
         }
 
     def __iter__(self) -> Iterator[Observation]:
-        faults = Faults(self.path)
+        parts = Parts(self.path, len(self._frames))
         image, scan = self._read("image"), self._read("scan")
         for frame in self._frames:
             yield Observation(
                 frame.stamp,
-                image=faults.tried(picture, frame) if image else None,
-                scan=faults.tried(self._scan, frame) if scan else None,
+                image=parts.tried(picture, frame) if image else None,
+                scan=parts.tried(self._scan, frame) if scan else None,
                 label=frame.label,
             )
-        faults.report(len(self._frames))
+        parts.report()
 
     def count(self) -> int:
         """Return the number of frames."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -12,60 +11,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.errors import DataError, UnusableObservation
+from placecue.faults import Faults
 from placecue.observation import EncodedImage
 from placecue_sources.contents import read_bytes
 from placecue_sources.rgbd_frames import Frame
 
-log = logging.getLogger(__name__)
-
 T = TypeVar("T")
 
 
-class Faults:
-    """Counts the parts of frames that cannot be read, and says it once.
+class Parts:
+    """Reads parts of frames, counts those that cannot be read, and says it once.
 
     Parameters
     ----------
     where : str
         Name of the data set, for messages.
+    frames : int
+        How many there are.
     """
 
-    def __init__(self, where: str) -> None:
-        self.where = where
-        self.count = 0
+    def __init__(self, where: str, frames: int) -> None:
+        self.faults = Faults(where)
+        self.kind = f"parts of {frames} frames cannot be read"
         self.read = 0
-        self.first: UnusableObservation | None = None
 
     def tried(self, read: Callable[[Frame], T], frame: Frame) -> T | None:
         """Return what ``read`` gives of a frame; None where it cannot."""
         try:
             part = read(frame)
         except UnusableObservation as error:
-            self.first = self.first or error
-            self.count += 1
+            self.faults.add(self.kind, error)
             return None
         self.read += 1
         return part
 
-    def report(self, frames: int) -> None:
+    def report(self) -> None:
         """Warn once of what could not be read, if anything.
-
-        Parameters
-        ----------
-        frames : int
-            How many there are.
 
         Raises
         ------
         DataError
             If nothing at all could be read.
         """
-        if self.first is None:
-            return
-        text = f"{self.count} parts of {frames} frames cannot be read; the first: {self.first}"
-        if self.read == 0:
-            raise DataError(f"{self.where}: {text}") from self.first
-        log.warning(f"{self.where}: {text}")
+        if self.faults.counts and self.read == 0:
+            cause = self.faults.cause
+            raise DataError(f"{self.faults.where}: {self.faults.told()}") from cause
+        self.faults.report()
 
 
 def picture(frame: Frame) -> EncodedImage:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from placecue.errors import DataError, UnusableObservation
+from placecue.faults import Faults
 from placecue.logs.writing.writer import McapWriter
 from placecue.progress import track
-from placecue.skipped import Skipped
 from placecue.source import Source
 
 
@@ -29,14 +29,14 @@ def copy(source: Source, writer: McapWriter) -> int:
     DataError
         If there is not one to write.
     """
-    skipped, total = Skipped(), 0
+    faults, total = Faults(), 0
     for observation in track(source, f"converting {source.name}", source.count()):
         total += 1
         try:
             writer.write(observation)
         except UnusableObservation as error:
-            skipped.add(error)
+            faults.pass_over(error)
     if total == 0:
         raise DataError(f"{source.name} holds no observation: there is nothing to write")
-    skipped.report(total)
-    return total - skipped.count
+    faults.report_of(total)
+    return total - faults.passed_over

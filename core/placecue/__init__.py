@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from placecue.guard import call
     from placecue.held_out import HeldOut
     from placecue.integrator import Integrator
-    from placecue.interruptible import interruptible
+    from placecue.interrupting import interruptible
     from placecue.kernel import DistanceKernel, Gram, Kernel
     from placecue.labels.geojson import Feature, FeatureCollection, read_geojson
     from placecue.learning.rejection import Unknown
@@ -222,7 +222,7 @@ _MODULES = {
     "guard": ("call",),
     "held_out": ("HeldOut",),
     "integrator": ("Integrator",),
-    "interruptible": ("interruptible",),
+    "interrupting": ("interruptible",),
     "kernel": ("DistanceKernel", "Gram", "Kernel"),
     "labels.geojson": ("Feature", "FeatureCollection", "read_geojson"),
     "learning.rejection": ("Unknown",),

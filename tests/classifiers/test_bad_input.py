@@ -6,6 +6,7 @@ from scipy import sparse
 from sklearn.base import clone
 
 from placecue import Classifier, Cue, DataError, DescriptorSets, Observation, Pipeline, UsageError
+from placecue.errors import ContractError
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM
@@ -96,5 +97,5 @@ def test_images_of_another_size_for_a_cue_of_fixed_size(classifier: Classifier) 
     assert len(list(pipeline.beliefs(pictures(6, 8)))) == 20
     with pytest.raises(DataError, match=r"has 72 features, .* is expecting 48 .*another size"):
         list(pipeline.beliefs(pictures(8, 9)))
-    with pytest.raises(UsageError, match=r"different shapes in one batch: \(48,\), \(72,\)"):
+    with pytest.raises(ContractError, match="of width 72 after a dense vector of width 48"):
         Pipeline({"pixels": (Pixels(), clone(classifier))}).fit(pictures(6, 8) + pictures(8, 9))

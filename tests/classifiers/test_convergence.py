@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from joblib import parallel_config
 
+from placecue import StandardScaling
 from placecue_classifiers import convergence
 from placecue_classifiers.machines import one_against_all, one_against_one
 from placecue_classifiers.svm import SVM
@@ -54,7 +55,7 @@ def test_a_training_tells_once_what_did_not_converge(caplog: pytest.LogCaptureFi
 def test_so_does_a_search_over_all_its_folds(caplog: pytest.LogCaptureFixture, n_jobs: int) -> None:
     search = {"C": [1.0, 1e7], "multiclass": ["oao"]}
     with parallel_config(backend="threading", n_jobs=n_jobs):
-        SVM(Linear(), search=search, scaling="standard").fit(*rooms(1.0))
+        SVM(Linear(), search=search, scaling=StandardScaling()).fit(*rooms(1.0))
     [line] = warned(caplog)
     # Two values of C in five folds and the final training, six pairs each.
     assert "of 66 machines after 2000 iterations" in line
@@ -65,7 +66,7 @@ def test_so_does_a_search_over_all_its_folds(caplog: pytest.LogCaptureFixture, n
 def test_ordinary_machines_are_far_from_the_limit(caplog: pytest.LogCaptureFixture) -> None:
     features, labels = rooms(1.0)
     for kernel in (RBF(0.05), Linear()):
-        SVM(kernel, C=100.0, scaling="standard").fit(features, labels)
+        SVM(kernel, C=100.0, scaling=StandardScaling()).fit(features, labels)
     assert warned(caplog) == []
     assert convergence.iteration_limit(80) == 2_000_000
     assert convergence.iteration_limit(20_000) == 10_000_000
@@ -88,6 +89,7 @@ ENDLESS = """
 import numpy as np
 from joblib import parallel_config
 from placecue_classifiers import convergence
+from placecue import StandardScaling
 from placecue_classifiers.svm import SVM
 from placecue_kernels.linear import Linear
 

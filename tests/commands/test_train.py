@@ -64,7 +64,9 @@ def test_two_cues(model: Path, log_a: Path) -> None:
     ]
     assert {(each["kind"], each["name"]) for each in manifest["plugins"]} == {
         *[("cue", "crfh"), ("cue", "laser"), ("classifier", "svm"), ("integrator", "svm_das")],
-        *[("kernel", "chi2"), ("kernel", "rbf")],
+        *[("kernel", "chi2"), ("kernel", "rbf"), ("folds", "interleaved")],
+        *[("scaling", "quantiles"), ("scaling", "range")],
+        *[("layout", "one_against_all"), ("layout", "one_against_one")],
     }
     assert manifest["files"] == {
         name: {"size": (model / name).stat().st_size, "sha256": sha256(model / name)}

@@ -106,6 +106,7 @@ def test_the_model_names_and_keeps_them(model: Path) -> None:
         ("scaling", "median"),
         ("folds", "odd_even"),
         ("integrator", "stacked"),
+        ("layout", "unlikeness"),
     }
     pipeline = manifest["pipeline"]
     assert pipeline["folds"] == {"plugin": "odd_even", "n_folds": 2, "run": 3}

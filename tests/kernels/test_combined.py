@@ -214,6 +214,8 @@ def test_a_trained_model_is_stored_and_read(tmp_path: Path) -> None:
 def test_a_model_folder_names_the_kernels_inside() -> None:
     classifier = {"plugin": "svm", "kernel": {"plugin": "sum", "kernels": [{"plugin": "hi"}]}}
     spec = {"plugin": "gist", "classifier": classifier}
-    named = set(components_of({"cues": {"gist": spec}, "integrator": None}, REGISTRY))
+    composition = {"cues": {"gist": spec}, "integrator": None, "folds": "blocks"}
+    named = set(components_of(composition, REGISTRY))
     wanted = {("cue", "gist"), ("classifier", "svm"), ("kernel", "sum"), ("kernel", "hi")}
+    wanted |= {("folds", "blocks")}
     assert named == wanted

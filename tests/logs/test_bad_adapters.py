@@ -12,8 +12,8 @@ from mcap_logs import SECOND, START
 from misbehaving import MISDEEDS, interrupt
 from placecue.errors import ContractError, Interrupted, UnusableObservation
 from placecue.logs import open_log
-from placecue.logs.adapters import adapter_for
 from placecue.logs.adapters.base import Adapter
+from placecue.logs.adapters.lookup import adapter_for
 from placecue.observation import LaserScan, Pose2D
 
 #: The third message of each topic.

@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tamperings import ARRAYS_TAMPERINGS, FILE_TAMPERINGS, JSON_TAMPERINGS, write_very_much
 
 from folders import reseal
-from placecue import Pipeline, PlacecueError, Unknown
+from placecue import Pipeline, PlacecueError, StandardScaling, Unknown
 from placecue.storage.model import load_model, save_model
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.scikit_learn import ScikitLearn
@@ -109,7 +109,7 @@ def models(folder: Path) -> list[Path]:
     ]
     forest = ScikitLearn(params={"n_estimators": 3})
     chain = ScikitLearn("sklearn.pipeline.Pipeline", {"steps": steps})
-    svm = SVM(kernel=RBF(0.1), probability="sigmoid", scaling="standard")
+    svm = SVM(kernel=RBF(0.1), probability="sigmoid", scaling=StandardScaling())
     pipelines = [
         pipeline(),
         Pipeline({"beams": (Beams(), forest)}),

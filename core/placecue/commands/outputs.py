@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from placecue.atomic import checked_by, remove_dead_parts
-from placecue.commands.files import of_older_run
 from placecue.commands.inputs import Inputs
 from placecue.commands.logs import path_of
 from placecue.errors import UsageError
-from placecue.evaluation.training_report import SEARCHES
 
 #: How many of the files that are in the way are named.
 NAMED = 3
@@ -48,6 +46,10 @@ def guarded(config: Mapping[str, Any], writes: Sequence[str] | None) -> Iterator
                 _check_file(path_of(config, "out"), inputs, _overwrites(config))
             yield
             return
+        # What knows the files of a run imports much that other commands do without.
+        from placecue.commands.files import of_older_run
+        from placecue.evaluation.training_report import SEARCHES
+
         out = path_of(config, "out")
         folders = {out, *((out / name).parent for name in writes)}
         for folder in folders:

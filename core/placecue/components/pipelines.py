@@ -58,7 +58,9 @@ def in_todays_words(value: Any) -> Any:
     """
     if isinstance(value, Mapping):
         now = {key: in_todays_words(each) for key, each in value.items()}
-        return {"plugin": now.pop("scheme"), **now} if {"scheme"} <= now.keys() - {"plugin"} else now
+        if "scheme" in now and "plugin" not in now:
+            now["plugin"] = now.pop("scheme")
+        return now
     return [in_todays_words(each) for each in value] if isinstance(value, list) else value
 
 

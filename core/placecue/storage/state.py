@@ -205,6 +205,8 @@ class Decoder:
         return component
 
     def _check_components(self, spec: Mapping[str, Any], kind: Kind) -> None:
+        if kind in NOT_IN_MODELS:
+            raise DataError(f"the model has learned a component of kind '{kind}'")
         for each in components_in(spec, kind, self.registry):
             if each[0] in NOT_IN_MODELS or (
                 self.components is not None and each not in self.components

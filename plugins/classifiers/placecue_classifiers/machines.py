@@ -18,7 +18,7 @@ import sklearn
 from numpy.typing import NDArray
 from sklearn.svm import SVC
 
-from placecue.interruptible import interruptible
+from placecue.interrupting import interruptible
 from placecue_classifiers.convergence import Parted, iteration_limit, note
 
 Matrix = NDArray[np.float64]

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sklearn.base import clone
 
 from placecue import contracts
@@ -19,7 +20,7 @@ from placecue.folds import Rows
 from placecue.grams import current
 from placecue.guard import call
 from placecue.kernel import Gram, Kernel
-from placecue.scaling import Matrix, Scaling
+from placecue.scaling import Scaling
 from placecue_classifiers.grid import Setting
 
 
@@ -143,10 +144,10 @@ def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling |
     return copy
 
 
-def transformed(scaling: Scaling, features: FeatureBatch) -> Matrix:
+def transformed(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]:
     """Return dense features scaled, shape (n, d), checked."""
     dense = np.asarray(features)
-    scaled: Matrix = call(
+    scaled: NDArray[np.float64] = call(
         scaling, "transform", dense, check=partial(contracts.scaled, shape=dense.shape)
     )
     return scaled

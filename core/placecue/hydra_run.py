@@ -165,8 +165,8 @@ class Task:
         self, config: DictConfig, settings: dict[str, Any], job: int, is_folder: bool
     ) -> str:
         """Return where a job of a sweep writes."""
-        from placecue.commands.logs import path_of
         from placecue.commands.numbered import of_job, swept_keys, tells_jobs_apart
+        from placecue.commands.paths import path_of
 
         out = path_of(settings, "out")
         overrides = get_args_parser().parse_args(self.words).overrides

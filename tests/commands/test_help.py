@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -88,3 +89,12 @@ def test_plugins_by_kind() -> None:
     told = placecue("plugins", "kind=cuee")
     assert told.status == 2
     assert "did you mean 'cue'?" in told.line
+
+
+def test_listing_what_is_installed_imports_nothing_that_trains() -> None:
+    code = (
+        "import sys; from placecue.cli import run; assert run(['plugins']) == 0; "
+        "print(*(each for each in ('sklearn', 'scipy', 'mcap', 'cv2') if each in sys.modules))"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.splitlines()[-1] == ""

@@ -6,7 +6,8 @@ from typing import Any
 
 from placecue import progress
 from placecue.atomic import made
-from placecue.commands.logs import open_source, path_of, single_logs
+from placecue.commands.logs import open_source, single_logs
+from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.errors import DataError, UsageError
 from placecue.labels.relabelled import Relabelled

@@ -7,7 +7,8 @@ from typing import Any
 
 from placecue import progress
 from placecue.atomic import made
-from placecue.commands.logs import open_source, path_of
+from placecue.commands.logs import open_source
+from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.logs.writing.convert import copy
 from placecue.logs.writing.writer import McapWriter

@@ -7,7 +7,8 @@ from time import perf_counter
 from typing import Any
 
 from placecue.commands import convert, files, label, show, tables, train
-from placecue.commands.logs import on_error_of, path_of
+from placecue.commands.logs import on_error_of
+from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.errors import PlacecueError
 from placecue.evaluation.tally import Tally

@@ -9,7 +9,8 @@ from rich.text import Text
 
 from placecue import progress
 from placecue.commands import tables
-from placecue.commands.logs import open_source, path_of, single_logs
+from placecue.commands.logs import open_source, single_logs
+from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
 from placecue.evaluation.map_figure import category_styles, draw_semantic_map

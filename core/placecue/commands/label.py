@@ -10,7 +10,8 @@ from placecue import contracts, progress
 from placecue.atomic import made, write_json
 from placecue.commands import files, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import on_error_of, open_source, path_of
+from placecue.commands.logs import on_error_of, open_source
+from placecue.commands.paths import path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.map_figure import draw_semantic_map

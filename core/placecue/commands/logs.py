@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from placecue.checks import check_choice
@@ -113,21 +112,6 @@ def on_error_of(config: Mapping[str, Any]) -> str:
     on_error: str = config.get("on_error", ON_ERROR[0])
     check_choice("on_error", on_error, ON_ERROR)
     return on_error
-
-
-def path_of(config: Mapping[str, Any], key: str) -> Path:
-    """Return the path under a key.
-
-    Raises
-    ------
-    UsageError
-        If it is empty, or no path at all.
-    """
-    value = config[key]
-    # A name of digits alone, such as a year, comes as a number.
-    if isinstance(value, (str, int, Path)) and str(value) and not isinstance(value, bool):
-        return Path(str(value))
-    raise UsageError(f"{key} must be a path, got {value!r}: give {key}=PATH")
 
 
 def _built(spec: Mapping[str, Any], plugins: Plugins) -> Source:

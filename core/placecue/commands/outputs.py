@@ -11,7 +11,7 @@ from typing import Any
 
 from placecue.atomic import checked_by, remove_dead_parts
 from placecue.commands.inputs import Inputs
-from placecue.commands.logs import path_of
+from placecue.commands.paths import path_of
 from placecue.errors import UsageError
 
 #: How many of the files that are in the way are named.

@@ -9,7 +9,8 @@ from placecue import progress
 from placecue.atomic import made
 from placecue.commands import files, show
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import on_error_of, open_source, path_of, single_logs
+from placecue.commands.logs import on_error_of, open_source, single_logs
+from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.components.pipelines import build_pipeline
 from placecue.evaluation.training_report import write_training_report

@@ -15,6 +15,9 @@ from placecue.integrator import OnlyCue
 from placecue.learning.rejection import Unknown
 from placecue.pipeline import Pipeline
 
+#: Kinds of component that no pipeline is made of.
+NOT_IN_PIPELINES: frozenset[Kind] = frozenset({"accumulator", "adapter", "boundary", "source"})
+
 
 def build_pipeline(composition: Mapping[str, Any], registry: Registry) -> Pipeline:
     """Build an unfitted pipeline from its config.
@@ -94,6 +97,8 @@ def components_of(composition: Mapping[str, Any], registry: Registry) -> Iterato
 
 def components_in(spec: Any, kind: Kind, registry: Registry) -> list[tuple[Kind, str]]:
     """Return the kind and name of a component and of every one inside it, from its config."""
+    if kind in NOT_IN_PIPELINES:
+        raise UsageError(f"a pipeline has no place for a component of kind '{kind}'")
     name, parameters = named(spec, kind, registry, kind)
     found = [(kind, name)]
     visited_parameters(

@@ -27,8 +27,6 @@ from placecue.scores import Layout
 from placecue.storage.arrays import KINDS, from_parts, parts_of
 
 Arrays = dict[str, NDArray[Any]]
-#: Kinds of component that no model is made of.
-NOT_IN_MODELS = frozenset({"accumulator", "adapter", "boundary", "source"})
 _T = TypeVar("_T")
 
 
@@ -205,12 +203,8 @@ class Decoder:
         return component
 
     def _check_components(self, spec: Mapping[str, Any], kind: Kind) -> None:
-        if kind in NOT_IN_MODELS:
-            raise DataError(f"the model has learned a component of kind '{kind}'")
         for each in components_in(spec, kind, self.registry):
-            if each[0] in NOT_IN_MODELS or (
-                self.components is not None and each not in self.components
-            ):
+            if self.components is not None and each not in self.components:
                 raise DataError(
                     f"the model has learned {each[0]} '{each[1]}', which its manifest does not name"
                 )

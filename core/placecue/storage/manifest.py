@@ -17,10 +17,10 @@ from typing import Any
 
 import placecue
 from placecue.components.hooks import KINDS
+from placecue.components.pipelines import NOT_IN_PIPELINES
 from placecue.errors import DataError, UsageError
 from placecue.storage import strict_json
 from placecue.storage.guarded import read_bytes
-from placecue.storage.state import NOT_IN_MODELS
 
 FORMAT = "placecue/model"
 FORMAT_VERSION = 2
@@ -126,7 +126,7 @@ def _check_classes(classes: list[Any], path: Path) -> None:
 def _check_plugin(plugin: Any, path: Path) -> None:
     if not isinstance(plugin, dict) or not all(_is_word(plugin.get(key)) for key in _PLUGIN):
         raise _damaged(path, f"each of its 'plugins' needs {', '.join(_PLUGIN)}, in one word")
-    if plugin["kind"] not in KINDS or plugin["kind"] in NOT_IN_MODELS:
+    if plugin["kind"] not in KINDS or plugin["kind"] in NOT_IN_PIPELINES:
         raise _damaged(path, f"no model is made of a {plugin['kind']!r:.80}")
 
 

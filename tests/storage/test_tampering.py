@@ -23,6 +23,7 @@ def test_nothing_runs_and_nothing_foreign_is_raised() -> None:
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["foreign_at_load"] == {}
+    assert found["foreign_at_believe"] == {}
     assert found["acts"] == {}
     assert not found["marker"]
     assert found["peak"] < 500

@@ -1,6 +1,7 @@
 """What every test can rely on."""
 
 import logging
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -28,6 +29,16 @@ def cache_of_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Keep the features that tests extract away from the user's."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PLACECUE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kept_bytecode(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Let commands that tests start keep their bytecode, or each compiles all that it imports."""
+    with pytest.MonkeyPatch.context() as patch:
+        if sys.dont_write_bytecode:
+            patch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
+            patch.setenv("PYTHONPYCACHEPREFIX", str(tmp_path_factory.mktemp("bytecode")))
         yield
 
 

@@ -86,6 +86,7 @@ def test_outside_of_a_training_classes_go_by_their_numbers(
 
 #: Trains machines which LIBSVM cannot finish within minutes.
 ENDLESS = """
+import signal
 import numpy as np
 from joblib import parallel_config
 from placecue_classifiers import convergence
@@ -93,6 +94,8 @@ from placecue import StandardScaling
 from placecue_classifiers.svm import SVM
 from placecue_kernels.linear import Linear
 
+# Shells let commands in the background ignore it, and so would what they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 convergence.ITERATIONS = 2**31 - 1
 features = 1e4 * np.random.default_rng(0).normal(size=(400, 30))
 print("begun", flush=True)

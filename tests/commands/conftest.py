@@ -37,14 +37,18 @@ def log_b(shared: Path) -> Path:
 @pytest.fixture(scope="session")
 def laser_model(shared: Path, log_a: Path) -> Path:
     out = shared / "laser"
-    succeeds("train", "cue=laser", "integrator=none", f"log={log_a}", f"out={out}")
+    few = "cues.laser.classifier.search.gamma=[0.01,0.1]"
+    succeeds("train", "cue=laser", "integrator=none", few, f"log={log_a}", f"out={out}")
     return out
 
 
 @pytest.fixture(scope="session")
 def model(shared: Path, log_a: Path) -> Path:
     out = shared / "both"
-    succeeds("train", "cue=[crfh,laser]", "integrator=svm_das", f"log={log_a}", f"out={out}")
+    parts = {"cues.crfh": 1, "cues.laser": 0.01, "integrator": 0.1}
+    few = [f"{each}.classifier.search.gamma=[{gamma}]" for each, gamma in parts.items()]
+    words = ["cue=[crfh,laser]", "integrator=svm_das", *few]
+    succeeds("train", *words, f"log={log_a}", f"out={out}")
     return out
 
 

@@ -11,7 +11,12 @@ from command_line import placecue, succeeds
 from placecue_cues.crfh import CRFH
 from placecue_cues.laser import LaserGeometry
 
-TRAIN = ["cue=[crfh,laser]", "integrator=svm_das"]
+UNSEARCHED = "cues.laser.classifier.search=null"
+LASER = ["cue=laser", "integrator=none", UNSEARCHED]
+TRAIN = [
+    *("cue=[crfh,laser]", "integrator=svm_das", UNSEARCHED),
+    *("cues.crfh.classifier.search=null", "integrator.classifier.search=null"),
+]
 
 
 def broken(self: object, *_: object) -> None:
@@ -41,7 +46,7 @@ def test_a_second_run_extracts_nothing_and_says_the_same(
 
 
 def test_shows_what_is_kept(trained: Path, log_a: Path) -> None:
-    more = ["cue=laser", "integrator=none", "cues.laser.scales=[0.8,1]"]
+    more = [*LASER, "cues.laser.scales=[0.8,1]"]
     succeeds("train", *more, f"log={log_a}", "out=scaled", "cache.folder=kept")
     shown = succeeds("cache", "cache.folder=kept").out.splitlines()
     rows = [line.split() for line in shown]
@@ -59,6 +64,7 @@ def test_shows_what_is_kept(trained: Path, log_a: Path) -> None:
 
 def test_what_was_learned_fold_by_fold_is_one_line(tmp_path: Path, log_a: Path) -> None:
     words = ["cue=bag_of_words", "integrator=none", "cues.bag_of_words.words=8"]
+    words += ["cues.bag_of_words.classifier.search.C=[1]"]
     succeeds("train", *words, f"log={log_a}", "out=words", "cache.folder=kept")
     shown = [line.split() for line in succeeds("cache", "cache.folder=kept").out.splitlines()]
     times = str(len(list(Path("kept", "learned").iterdir())))
@@ -84,7 +90,7 @@ def test_the_default_place_is_the_user_s_and_null_is_none(
 ) -> None:
     monkeypatch.delenv("PLACECUE_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
-    laser = ["cue=laser", "integrator=none", f"log={log_a}"]
+    laser = [*LASER, f"log={log_a}"]
     succeeds("train", *laser, "out=model", "cache.folder=null")
     assert not (tmp_path / "xdg" / "placecue").exists()
     succeeds("train", *laser, "out=model", "overwrite=true")
@@ -127,6 +133,6 @@ def test_settings_that_cannot_be(word: str, said: str, log_a: Path) -> None:
 
 
 def test_no_cache_at_all(log_a: Path) -> None:
-    succeeds("train", "cue=laser", "integrator=none", f"log={log_a}", "cache=null", "out=model")
+    succeeds("train", *LASER, f"log={log_a}", "cache=null", "out=model")
     assert (Path("model") / "manifest.json").exists()
     assert not list(Path(os.environ["PLACECUE_CACHE"]).iterdir())

@@ -14,12 +14,14 @@ from placecue.observation import EncodedImage
 from results import rows
 from rooms import ROOMS, Rooms, write_log
 
+#: Of the costs that are tried.
+FEW = "classifier.search.C=[10]"
 #: What suits few small pictures.
 SMALL = {
-    "sift": ["contrast_threshold=0.01"],
+    "sift": ["contrast_threshold=0.01", FEW],
     "dense_sift": ["step=8", "cells=[3]", "classifier.search={C: [10], gamma: [1]}"],
-    "fisher_vector": ["components=12", "gaussians=8", "sample=3000"],
-    "bag_of_words": ["words=30", "sample=3000"],
+    "fisher_vector": ["components=12", "gaussians=8", "sample=3000", FEW],
+    "bag_of_words": ["words=30", "sample=3000", FEW],
 }
 CUES = (
     "crfh",
@@ -63,7 +65,7 @@ def photographed(shared: Path) -> tuple[Path, Path]:
 @pytest.mark.parametrize("cue", CUES)
 def test_a_cue_alone(tmp_path: Path, photographed: tuple[Path, Path], cue: str) -> None:
     training, asked = photographed
-    small = [f"cues.{cue}.{word}" for word in SMALL.get(cue, [])]
+    small = [f"cues.{cue}.{word}" for word in SMALL.get(cue, [FEW])]
     one = [f"cue={cue}", "integrator=none"]
     succeeds("train", *one, f"log={training}", f"out={tmp_path / 'm'}", *small)
     succeeds("classify", f"model={tmp_path / 'm'}", f"log={asked}", f"out={tmp_path / 'c'}")

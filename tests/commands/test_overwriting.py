@@ -9,7 +9,8 @@ import pytest
 from command_line import placecue, succeeds
 from placecue.commands.names import COMMANDS
 
-LASER = ["cue=laser", "integrator=none", "cues.laser.classifier.search.C=[1,10]"]
+SEARCH = "cues.laser.classifier.search"
+LASER = ["cue=laser", "integrator=none", f"{SEARCH}.C=[1,10]", f"{SEARCH}.gamma=[0.01]"]
 FORCE = "overwrite=true"
 CLASSIFIED = {"beliefs.csv", "beliefs.mcap", "metrics.json"}
 

@@ -65,7 +65,7 @@ def test_every_kind_is_listed(python: Path) -> None:
     assert all(row[-3:] == ["placecue-everykind", "0.7", "ok"] for row in mine)
 
 
-def test_options_are_made_that_choose_what_stands_inside(python: Path) -> None:
+def test_options_are_made_that_choose_what_stands_inside(wheel: Path) -> None:
     words = [
         "cue=sectors",
         f"classifier@{CLASSIFIER}=similar",
@@ -77,7 +77,7 @@ def test_options_are_made_that_choose_what_stands_inside(python: Path) -> None:
         "folds=odd_even",
         "folds.run=9",
     ]
-    shown = installed(python, "train", *words, "--cfg", "job")
+    shown = installed(wheel, "train", *words, "--cfg", "job")
     assert shown.returncode == 0, shown.stderr
     config = OmegaConf.create(shown.stdout)
     sectors = {

@@ -23,23 +23,23 @@ def test_its_config_group_is_found(python: Path) -> None:
     assert "pkg://thirdparty.conf" in path.stdout
 
 
-def test_a_cue_without_an_option_file_still_has_an_option(python: Path) -> None:
-    shown = placecue(python, "train", "cue=nearest", "cues.nearest.count=7", "--cfg", "job")
+def test_a_cue_without_an_option_file_still_has_an_option(wheel: Path) -> None:
+    shown = placecue(wheel, "train", "cue=nearest", "cues.nearest.count=7", "--cfg", "job")
     assert shown.returncode == 0, shown.stderr
     assert "count: 7" in shown.stdout
 
 
-def test_an_option_file_that_clashes_is_reported_and_left_out(python: Path) -> None:
-    shown = placecue(python, "train", "cue=crfh", "--cfg", "job")
+def test_an_option_file_that_clashes_is_reported_and_left_out(wheel: Path) -> None:
+    shown = placecue(wheel, "train", "cue=crfh", "--cfg", "job")
     assert "99" not in shown.stdout
     assert "cue/crfh.yaml of placecue-thirdparty" in shown.stderr
 
 
-def test_no_plugins_runs_the_built_ins_alone(python: Path) -> None:
-    listed = placecue(python, "--no-plugins", "plugins")
+def test_no_plugins_runs_the_built_ins_alone(wheel: Path) -> None:
+    listed = placecue(wheel, "--no-plugins", "plugins")
     assert "spread" not in listed.stdout
     assert "crfh" in listed.stdout
-    refused = placecue(python, "train", "cue=spread", "--no-plugins")
+    refused = placecue(wheel, "train", "cue=spread", "--no-plugins")
     assert refused.returncode == 2
     assert "unknown cue 'spread'" in refused.stderr
 

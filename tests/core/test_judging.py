@@ -13,7 +13,7 @@ from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF
 from toys import PLACES, SECOND, Beams, Walk
 
-SEARCH = {"C": [1, 100], "gamma": [0.01, 0.1, 1.0]}
+SEARCH = {"C": [1, 10], "gamma": [0.1, 1.0]}
 
 
 class Labelled(Walk):
@@ -36,7 +36,7 @@ def two_cues() -> Pipeline:
 @pytest.mark.parametrize("integration", [False, True], ids=["out of fold", "another log"])
 def test_random_labels_come_out_at_chance(integration: bool) -> None:
     shares = []
-    for seed in range(3):
+    for seed in range(2):
         other = Labelled(rounds=2, seed=seed + 50) if integration else None
         trained = two_cues().fit(Labelled(rounds=3, seed=seed), other)
         assert trained.judged_ is not None
@@ -44,7 +44,7 @@ def test_random_labels_come_out_at_chance(integration: bool) -> None:
         shares.append(right.mean())
         assert trained.rejection_ is not None
         assert trained.rejection_.n_right == right.sum()
-    # 720 or 480 decisions: a standard deviation of 1.6 or 2 points.
+    # 480 or 320 decisions: a standard deviation of 2 or 2.4 points.
     assert np.mean(shares) == pytest.approx(0.25, abs=0.05)
 
 

@@ -156,7 +156,7 @@ def test_no_more_than_a_batch_is_held(fitted: Pipeline) -> None:
         return sum(isinstance(each, Observation) for each in gc.get_objects())
 
     before = held()
-    most = max(held() for _ in fitted.beliefs(Walk(rounds=2, stay=5), batch=4))
+    most = max(held() for _ in fitted.beliefs(Walk(rounds=1, stay=4), batch=4))
     assert most - before <= 4 + 1
 
 

@@ -63,23 +63,23 @@ class ByHeartTwice(ByHeart):
     ids=["svm", "grid_search"],
 )
 def test_a_cue_that_learns_by_heart_is_not_believed(cue: Cue, classifier: Classifier) -> None:
-    pipeline = Pipeline({"heart": (cue, classifier)}).fit(Walk(), reliability=True)
+    pipeline = Pipeline({"heart": (cue, classifier)}).fit(Walk(rounds=2), reliability=True)
     assert max(classifier.search_["balanced_accuracy"]) < 0.35  # a guess: 0.25
     assert pipeline.judged_ is not None
     right = np.concatenate([each.decisions()[1] for each in pipeline.judged_])
-    assert right.size == Walk().count()
+    assert right.size == Walk(rounds=2).count()
     assert right.mean() < 0.35
-    beliefs = list(pipeline.beliefs(Walk()))
+    beliefs = list(pipeline.beliefs(Walk(rounds=2)))
     # Of what it has seen it knows the class; what calibration has learned is that it guesses.
     if isinstance(classifier, SVM):
         assert np.mean([belief.scores.values.max() for belief in beliefs]) < 0.45
     else:
-        assert [belief.label for belief in beliefs] == [each.label for each in Walk()]
+        assert [belief.label for belief in beliefs] == [each.label for each in Walk(rounds=2)]
 
 
 def test_probabilities_of_unseen_samples_are_calibrated_inside_their_fold() -> None:
     svm = SVM(RBF(1.0), C=10.0, probability="sigmoid")
-    pipeline = Pipeline({"heart": (ByHeart(), svm)}).fit(Walk(), reliability=True)
+    pipeline = Pipeline({"heart": (ByHeart(), svm)}).fit(Walk(rounds=2), reliability=True)
     assert pipeline.judged_ is not None
     likeliest = np.concatenate(
         [part.evidence.scores("heart").values.max(axis=1) for part in pipeline.judged_]

@@ -83,10 +83,10 @@ def held_out_decisions(walk: Walk) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_rate_on_held_out_samples_is_what_was_asked_for() -> None:
-    trained = two_cues(0.1).fit(Walk(rounds=6, **NOISY))
+    trained = two_cues(0.1).fit(Walk(rounds=4, **NOISY))
     found = trained.rejection_
     assert found is not None
-    confidence, right = held_out_decisions(Walk(rounds=6, **NOISY))
+    confidence, right = held_out_decisions(Walk(rounds=4, **NOISY))
     n_wrong = int((~right).sum())
     assert n_wrong > 30
     # Equal, though computed another way: no sample lies on the threshold.
@@ -98,9 +98,9 @@ def test_the_rate_on_held_out_samples_is_what_was_asked_for() -> None:
 
 def test_the_rate_holds_on_another_walk() -> None:
     for trained in (one_cue(0.1), two_cues(0.1)):
-        trained.fit(Walk(rounds=6, **NOISY))
+        trained.fit(Walk(rounds=4, **NOISY))
         assert trained.rejection_ is not None
-        walk = list(Walk(rounds=6, seed=5, **NOISY))
+        walk = list(Walk(rounds=4, seed=5, **NOISY))
         beliefs = list(trained.beliefs(walk, batch=50))
         right = np.array(
             [b.scores.decide().labels[0] == o.label for b, o in zip(beliefs, walk, strict=True)]
@@ -111,8 +111,8 @@ def test_the_rate_holds_on_another_walk() -> None:
 
 
 def test_one_cue_s_threshold_is_chosen_on_its_out_of_fold_scores() -> None:
-    trained = one_cue(0.1).fit(Walk(rounds=6, **NOISY))
-    walk = list(Walk(rounds=6, **NOISY))
+    trained = one_cue(0.1).fit(Walk(rounds=4, **NOISY))
+    walk = list(Walk(rounds=4, **NOISY))
     labels = np.array([each.label for each in walk])
     beams = np.stack([Beams().extract(each) for each in walk])
     confidence, right = np.empty(len(walk)), np.empty(len(walk), dtype=bool)
@@ -128,8 +128,8 @@ def test_one_cue_s_threshold_is_chosen_on_its_out_of_fold_scores() -> None:
 
 
 def test_beliefs_below_the_threshold_are_unknown_and_keep_scores_and_confidence() -> None:
-    trained = one_cue(0.05).fit(Walk(rounds=6, **NOISY))
-    plain = Pipeline(trained.cues).fit(Walk(rounds=6, **NOISY))
+    trained = one_cue(0.05).fit(Walk(rounds=4, **NOISY))
+    plain = Pipeline(trained.cues).fit(Walk(rounds=4, **NOISY))
     assert plain.rejection_ is None
     assert trained.rejection_ is not None
     walk = list(Walk(seed=1, **NOISY))
@@ -152,7 +152,7 @@ def elsewhere(number: int) -> Observation:
 
 @pytest.mark.parametrize("options", [{}, {"multiclass": "oao"}, {"probability": "sigmoid"}])
 def test_a_place_that_is_none_of_the_classes_comes_out_unknown(options: dict[str, str]) -> None:
-    trained = one_cue(0.2, **options).fit(Walk(rounds=6, noise=0.5))
+    trained = one_cue(0.2, **options).fit(Walk(rounds=4, noise=0.5))
     tally = Tally()
     for log in (Walk(seed=1, noise=0.5), [elsewhere(number) for number in range(40)]):
         for observation, belief in trained.follow(log, batch=40):
@@ -166,7 +166,7 @@ def test_a_place_that_is_none_of_the_classes_comes_out_unknown(options: dict[str
 
 def test_an_integration_log_has_the_held_out_samples() -> None:
     other = Walk(rounds=3, seed=2, **NOISY)
-    trained = two_cues(0.1).fit(Walk(rounds=6, **NOISY), integration=other)
+    trained = two_cues(0.1).fit(Walk(rounds=4, **NOISY), integration=other)
     held_out = trained.held_out_
     assert held_out is not None
     assert held_out.stamps.tolist() == [each.stamp for each in other]
@@ -189,7 +189,7 @@ def test_an_integration_log_has_the_held_out_samples() -> None:
 def test_an_integration_log_serves_one_cue_too() -> None:
     # Decisions about a place that is none of the classes are never right.
     other = [*Walk(seed=2), *(elsewhere(number) for number in range(400, 440))]
-    trained = one_cue(0.0).fit(Walk(rounds=6), integration=other)
+    trained = one_cue(0.0).fit(Walk(rounds=4), integration=other)
     assert trained.rejection_ is not None
     assert trained.rejection_.n_wrong >= 40
     assert {b.label for b in trained.beliefs([elsewhere(n) for n in range(40)])} == {"unknown"}

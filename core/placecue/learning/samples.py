@@ -51,6 +51,9 @@ class Samples:
         How the samples are cut by whoever has no scheme of its own.
     skip : bool
         Whether a sample at which a cue that has learned fails counts as unusable.
+    part : bool
+        Whether these are some of the samples that the folds were chosen for; see
+        :class:`placecue.TrainingSet`.
     """
 
     labels: NDArray[np.str_]
@@ -63,6 +66,7 @@ class Samples:
     extraction: Extraction
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     skip: bool = False
+    part: bool = False
     _known: dict[str, tuple[Cue, TrainingSet, Rows]] = field(default_factory=dict, repr=False)
     #: The cues of which it is said already that they could not use some samples.
     _said: set[str] = field(default_factory=set, repr=False)
@@ -83,6 +87,7 @@ class Samples:
             },
             positions=self.positions[rows],
             origins=[self.origins[row] for row in rows],
+            part=self.part or len(rows) < len(self),
             _known={},
         )
 
@@ -179,7 +184,13 @@ class Samples:
 
     def _set(self, recorded: FeatureBatch, *augmented: FeatureBatch) -> TrainingSet:
         return TrainingSet(
-            recorded, self.labels, self.stamps, self.groups, augmented, folds=self.folds
+            recorded,
+            self.labels,
+            self.stamps,
+            self.groups,
+            augmented,
+            folds=self.folds,
+            part=self.part,
         )
 
 

@@ -22,6 +22,7 @@ from placecue import (
 )
 from placecue.classifier import Classifier
 from placecue.cue_model import CueModel
+from placecue.errors import ContractError
 from placecue.learning.samples import collect
 from placecue.scaling import RangeScaling
 from placecue_classifiers.svm import SVM
@@ -41,6 +42,24 @@ class Doubled(toys.Beams):
 
     def augmentations(self) -> list[partial[Observation]]:
         return [partial(scaled, factor=factor) for factor in (0.5, 2.0)]
+
+
+class Unsaid(toys.Beams):
+    """Its copies look like what was recorded."""
+
+    def augmentations(self) -> list[object]:
+        return [self._halved]
+
+    @staticmethod
+    def _halved(each: Observation) -> Observation:
+        return Observation(each.stamp, scan=each.scan.scaled(0.5), origin=each.origin)
+
+
+def test_a_copy_that_does_not_say_what_it_is_is_refused() -> None:
+    """Kept features of what was recorded would be taken for its own."""
+    refused = "augmentation returned other parts as if they were recorded.* at stamp 0 of walk 0$"
+    with pytest.raises(ContractError, match=refused):
+        collect(Walk(rounds=1), {"beams": Unsaid()})
 
 
 class LearningDoubled(toys.Brightness):

@@ -208,9 +208,20 @@ class Reread:
 
 def augmented(cue: Cue, augment: Augmentation, observation: Observation) -> Observation:
     """Return what an augmentation of a cue makes of an observation, checked."""
-    check = contracts.observation
+
+    def check(made: Any) -> str | None:
+        return contracts.observation(made) or _said_altered(made, observation)
+
     made: Observation = step(cue, "augmentation", augment, observation, check=check, at=observation)
     return made
+
+
+def _said_altered(made: Observation, recorded: Observation) -> str | None:
+    """Check that what is unlike the recorded observation says so: kept features go by that."""
+    same = made.scan is recorded.scan and made.image_source is recorded.image_source
+    if same or made.origin is None or made.origin != recorded.origin:
+        return None
+    return "returned other parts as if they were recorded: make copies with altered(how, ...)"
 
 
 class _Gathered:

@@ -62,6 +62,31 @@ def test_a_copy_that_does_not_say_what_it_is_is_refused() -> None:
         collect(Walk(rounds=1), {"beams": Unsaid()})
 
 
+class Namesakes(toys.Beams):
+    """Two augmentations of one name."""
+
+    def augmentations(self) -> list[partial[Observation]]:
+        return [partial(self._scaled, factor=factor) for factor in (0.5, 2.0)]
+
+    @staticmethod
+    def _scaled(each: Observation, factor: float) -> Observation:
+        return each.altered("scaled", scan=each.scan.scaled(factor))
+
+
+class LearningNamesakes(Namesakes):
+    """Likewise, and learns."""
+
+    learns = True
+
+
+@pytest.mark.parametrize("cue", [Namesakes(), LearningNamesakes()])
+def test_augmentations_of_one_name_are_refused(cue: Cue) -> None:
+    """Kept features of one would be taken for those of the other."""
+    pipeline = Pipeline({"beams": (cue, SVM(RBF()))})
+    with pytest.raises(ContractError, match="2 augmentations call their copies 'scaled'"):
+        pipeline.fit(Walk(rounds=1))
+
+
 class LearningDoubled(toys.Brightness):
     """An image cue that learns, and doubles its samples."""
 

@@ -13,7 +13,7 @@ from sklearn.base import clone
 
 from placecue import contracts
 from placecue.cue import Augmentation, Cue
-from placecue.errors import DataError, UnusableObservation, UsageError
+from placecue.errors import ContractError, DataError, UnusableObservation, UsageError
 from placecue.extraction import BATCH, Extracted, Extraction, batched, joined
 from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
@@ -21,6 +21,7 @@ from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.guard import step
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
+from placecue.provenance import provenance
 from placecue.source import guarded
 from placecue.training_set import TrainingSet
 
@@ -175,6 +176,8 @@ class Samples:
     def _views(self, cue: Cue) -> list[Extracted]:
         """Return what a cue makes of the samples as recorded, and of their augmented copies."""
         gather, reread = self.extraction.gather, self.reread()
+        if len(cue.augmentations()) > 1:
+            told_apart(cue, next(iter(reread)))
         recorded = gather(cue, reread, skip=self.skip)
         altered = (partial(augmented, cue, augment) for augment in cue.augmentations())
         return [recorded, *(gather(cue, map(each, reread), skip=self.skip) for each in altered)]
@@ -224,6 +227,18 @@ def _said_altered(made: Observation, recorded: Observation) -> str | None:
     return "returned other parts as if they were recorded: make copies with altered(how, ...)"
 
 
+def told_apart(cue: Cue, observation: Observation) -> None:
+    """Raise ContractError if two augmentations of a cue give their copies one name."""
+    made = [augmented(cue, augment, observation) for augment in cue.augmentations()]
+    names = [each.origin.altered for each in made if each.origin is not None]
+    for name in filter(None, names):
+        if names.count(name) > 1:
+            raise ContractError(
+                f"{provenance(cue)}: {names.count(name)} augmentations call their copies "
+                f"'{name}': give each a name of its own in altered(how, ...)"
+            )
+
+
 class _Gathered:
     """The features of one cue and of its augmentations, batch after batch."""
 
@@ -238,6 +253,8 @@ class _Gathered:
         """Return (rows, features) of each view, and why observations are unusable, by row."""
         found = []
         failed: dict[int, UnusableObservation] = {}
+        if observations and len(self.views) > 2 and not self.kept[0]:
+            told_apart(self.cue, observations[0])
         for augment in self.views:
             seen = observations
             if augment is not None:

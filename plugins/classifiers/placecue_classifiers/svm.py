@@ -326,8 +326,6 @@ class SVM(Classifier):
             if given is not None and not isinstance(given, kind):
                 raise UsageError(f"{name} must be a {kind.__name__} or None, got {given!r}")
         if self.folds is not None:
-            if not isinstance(self.folds, FoldScheme):
-                raise UsageError(f"folds must be a FoldScheme, such as Blocks(), got {self.folds}")
             self.folds.check_parameters()
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")

@@ -40,14 +40,12 @@ class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
     Attributes
     ----------
     version : str
-        Changes when what it learns does; a model made with another version is not loaded.
+        Changes when the results do, so that a model does not meet another classifier unawares.
     layout_ : Layout
         What the columns of the scores are; set by :meth:`fit`.
     labels_ : ndarray, shape (M,)
         The classes as they were given in training, in the order of ``layout_.classes``; a
         classifier sets it with :meth:`learn_classes`, or leaves it out where labels are text.
-    version : str
-        Changes when the results do, so that a model does not meet another classifier unawares.
     """
 
     version: ClassVar[str] = "1"

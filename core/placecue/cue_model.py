@@ -9,11 +9,12 @@ import numpy as np
 from sklearn.base import clone
 
 from placecue import contracts
+from placecue.attempts import attempt
 from placecue.classifier import Classifier
 from placecue.cue import Cue
 from placecue.errors import described
-from placecue.features import FeatureBatch, n_samples
-from placecue.folds import FoldScheme
+from placecue.features import FeatureBatch, n_samples, take
+from placecue.folds import FoldScheme, Rows
 from placecue.guard import call, step
 from placecue.observation import Observation
 from placecue.progress import track
@@ -64,6 +65,17 @@ class CueModel:
         check = partial(contracts.scores, n=n_samples(features), layout=self.layout)
         scores: Scores = call(self.classifier, "scores", features, check=check, at=at)
         return scores
+
+    def tried(self, features: FeatureBatch, *, skip: bool = False) -> Scores:
+        """Return the scores of n samples; NaN where the classifier fails, if ``skip`` says so."""
+
+        def score(rows: Rows) -> Scores:
+            return self.scores(take(features, rows))
+
+        values = np.full((n_samples(features), len(self.layout.columns)), np.nan)
+        for rows, scores in attempt(score, n_samples(features), skip=skip).answers:
+            values[rows] = scores.values
+        return Scores(values, self.layout)
 
     def held_out(
         self, training: TrainingSet, folds: FoldScheme | None = None, *, name: str = "cue"

@@ -101,6 +101,23 @@ class FoldScheme(Estimator, ABC):
                 f"{type(self).__name__}; give more samples, or choose other folds"
             )
 
+    def of_part(
+        self,
+        labels: ArrayLike,
+        stamps: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
+    ) -> FoldScheme:
+        """Return how a part of some samples, such as the rest of a fold, is cut further.
+
+        Like this where that is possible, else into interleaved chunks: of two logs, one is left
+        in each fold of ``by_log``.
+        """
+        try:
+            next(self.split(labels, stamps, groups))
+        except DataError:
+            return InterleavedChunks(self.n_folds)
+        return self
+
 
 def promised(made: Any, n: int, n_folds: int) -> str | None:
     """Check the fold of each of n samples: -1 (never held out) to ``n_folds`` - 1."""

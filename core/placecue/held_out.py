@@ -32,6 +32,9 @@ class HeldOut:
         What belongs together, such as the samples of one log.
     folds : FoldScheme
         How an integrator that holds samples out cuts them, unless it has a scheme of its own.
+    part : bool
+        Whether these are some of the samples that the folds were chosen for; see
+        :class:`placecue.TrainingSet`.
     """
 
     evidence: Evidence
@@ -39,6 +42,7 @@ class HeldOut:
     stamps: NDArray[np.int64] | None = None
     groups: NDArray[np.int64] | None = None
     folds: FoldScheme = field(default_factory=InterleavedChunks)
+    part: bool = False
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -47,7 +51,9 @@ class HeldOut:
         """Return some of the samples."""
         stamps = None if self.stamps is None else self.stamps[rows]
         groups = None if self.groups is None else self.groups[rows]
-        return HeldOut(self.evidence.take(rows), self.labels[rows], stamps, groups, self.folds)
+        labels = self.labels[rows]
+        part = self.part or len(labels) < len(self)
+        return HeldOut(self.evidence.take(rows), labels, stamps, groups, self.folds, part)
 
     def parted(self, classes: Sequence[str]) -> tuple[HeldOut, HeldOut | None]:
         """Return the samples of the given classes, and those of others, None where there are none.
@@ -66,4 +72,6 @@ class HeldOut:
 
     def split(self) -> list[tuple[Rows, Rows]]:
         """Return (fitting rows, held-out rows) for each fold."""
-        return list(self.folds.split(self.labels, self.stamps, self.groups))
+        samples = self.labels, self.stamps, self.groups
+        folds = self.folds.of_part(*samples) if self.part else self.folds
+        return list(folds.split(*samples))

@@ -21,7 +21,7 @@ from placecue.scores import Scores
 def integrated(
     integrator: Integrator,
     evidence: Evidence,
-    observations: Sequence[Observation],
+    observations: Sequence[Observation] | None = None,
     *,
     skip: bool = False,
 ) -> tuple[Scores, dict[int, UnusableObservation]]:
@@ -33,7 +33,7 @@ def integrated(
         Fitted.
     evidence : Evidence
         Of n observations.
-    observations : sequence of n Observations
+    observations : sequence of n Observations, optional
         Which they are, for messages.
     skip : bool
         Whether an observation at which the integrator fails is passed over.
@@ -49,7 +49,7 @@ def integrated(
     def integrate(rows: Rows) -> Scores:
         some = evidence if len(rows) == len(evidence) else evidence.take(rows)
         check = partial(contracts.scores, n=len(rows), gaps=True)
-        at = observations[rows[0]] if len(rows) == 1 else None
+        at = observations[rows[0]] if observations is not None and len(rows) == 1 else None
         scores: Scores = call(integrator, "integrate", some, check=check, at=at)
         return scores
 

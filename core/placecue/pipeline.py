@@ -28,7 +28,12 @@ from placecue.guard import call
 from placecue.held_out import HeldOut
 from placecue.integration import integrated
 from placecue.integrator import Integrator, OnlyCue
-from placecue.learning.judging import Judged, judged_by_copies, judged_by_integrators
+from placecue.learning.judging import (
+    Judged,
+    judged_by,
+    judged_by_copies,
+    judged_by_integrators,
+)
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
 from placecue.learning.samples import Samples, collect
 from placecue.observation import PARTS, Observation, Part
@@ -266,8 +271,10 @@ class Pipeline:
         if judges:
             self.judged_ = self._judged(samples, unseen)
         if self.unknown is not None and self.judged_ is not None:
-            others = [] if foreign is None else [self._judge(foreign)]
-            self.fit_rejection([*self.judged_, *others])
+            judged = list(self.judged_)
+            if foreign is not None:
+                judged.append(judged_by(self.integrator, foreign, skip=self.skips))
+            self.fit_rejection(judged)
         return self
 
     def collect(self, observations: Iterable[Observation]) -> Samples:
@@ -331,12 +338,14 @@ class Pipeline:
         for name, model in self.cues.items():
             found = samples.features(name, model.cue)
             assert found.features is not None  # or nothing was usable
-            scores[name] = model.scores(found.features).spread(found.rows, len(samples))
+            scored = model.tried(found.features, skip=self.skips)
+            scores[name] = scored.spread(found.rows, len(samples))
         return StoredEvidence(scores)
 
     def _complete(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
         """Return the samples with scores of every cue; None where there is none."""
-        held_out = HeldOut(evidence, samples.labels, samples.stamps, samples.groups, self.folds)
+        cut = samples.labels, samples.stamps, samples.groups
+        held_out = HeldOut(evidence, *cut, self.folds.of_part(*cut), samples.part)
         known = np.logical_and.reduce([evidence.available(cue) for cue in evidence.cues])
         if not known.any():
             return None
@@ -364,20 +373,15 @@ class Pipeline:
         if held_out is None:
             return judged_by_copies(self, samples)
         if not self.integrates:
-            return [self._judge(held_out)]
-        return judged_by_integrators(self.integrator, held_out)
-
-    def _judge(self, unseen: HeldOut) -> Judged:
-        """Return what the pipeline says of samples that no part of it has seen."""
-        scores = self.integrator.integrate(unseen.evidence)
-        return Judged(unseen.labels, scores, unseen.evidence)
+            return [judged_by(self.integrator, held_out, skip=self.skips)]
+        return judged_by_integrators(self.integrator, held_out, skip=self.skips)
 
     def _tells_probabilities(self) -> bool:
         """Tell whether a cue, or the fitted integrator, gives probabilities."""
         layouts = [model.layout for model in self.cues.values()]
         if self.held_out_ is not None and self.integrates:
-            one = self.held_out_.evidence.take([0])
-            layouts.append(self.integrator.integrate(one).layout)
+            one = self.held_out_.take(np.array([0]))
+            layouts.append(judged_by(self.integrator, one, skip=self.skips).scores.layout)
         return any(isinstance(layout, Probabilities) for layout in layouts)
 
     def _check_names(self, samples: Samples) -> None:

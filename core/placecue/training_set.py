@@ -35,6 +35,9 @@ class TrainingSet:
     relearn : callable, optional
         Of a cue that learns: given the rows of some samples, returns the set of all n samples by a
         copy of the cue that has learned from those alone.
+    part : bool
+        Whether these are some of the samples that the folds were chosen for, such as the rest of
+        a fold; they are cut into interleaved chunks where they cannot be cut as all would be.
     """
 
     features: FeatureBatch
@@ -44,6 +47,7 @@ class TrainingSet:
     augmented: tuple[FeatureBatch, ...] = ()
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     relearn: Callable[[Rows], TrainingSet] | None = None
+    part: bool = False
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -64,7 +68,10 @@ class TrainingSet:
             If the samples cannot be cut.
         """
         scheme = self.folds if folds is None else folds
-        return list(scheme.split(np.asarray(self.labels), self.stamps, self.groups))
+        samples = np.asarray(self.labels), self.stamps, self.groups
+        if self.part:
+            scheme = scheme.of_part(*samples)
+        return list(scheme.split(*samples))
 
     def take(self, rows: Rows) -> TrainingSet:
         """Return the set of the given samples; their cue has learned from what it had."""
@@ -83,6 +90,7 @@ class TrainingSet:
             groups=_of(self.groups, rows),
             augmented=tuple(take(each, rows) for each in self.augmented),
             relearn=relearn,
+            part=self.part or len(rows) < len(self),
         )
 
     def relearned(self, rows: Rows) -> TrainingSet:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from placecue import Observation, Pipeline, Unknown
+from placecue import Evidence, FeatureBatch, Observation, Pipeline, Scores, Unknown
+from placecue.errors import ComponentError
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF
@@ -94,6 +95,51 @@ def test_another_sequence_is_judged_by_copies_of_the_integrator_alone() -> None:
     assert sum(320 - each[1] for each in searched[1:]) == 320
     assert trained.rejection_ is not None
     assert trained.rejection_.n_right + trained.rejection_.n_wrong == 320
+
+
+class Broken(SVMDAS):
+    """Does not integrate."""
+
+    def integrate(self, evidence: Evidence) -> Scores:
+        raise ZeroDivisionError("nothing to divide by")
+
+
+class Short(SVMDAS):
+    """Returns a row too few."""
+
+    def integrate(self, evidence: Evidence) -> Scores:
+        return super().integrate(evidence)[:-1]
+
+
+@pytest.mark.parametrize("integration", [None, Walk(rounds=2, seed=2)])
+@pytest.mark.parametrize("kind", [Broken, Short])
+def test_a_judged_integrator_is_guarded(kind: type[SVMDAS], integration: Walk | None) -> None:
+    cues = {"beams": (Beams(), SVM(RBF(0.1))), "few": (Beams(2), SVM(RBF(0.1)))}
+    pipeline = Pipeline(cues, kind(SVM(RBF(0.3))), unknown=Unknown(0.1))
+    with pytest.raises(ComponentError, match=f"^integrator {kind.__name__} .*integrate"):
+        pipeline.fit(Walk(rounds=2), integration)
+
+
+class Moody(SVM):
+    """Fails at scans that begin far away."""
+
+    def scores(self, features: FeatureBatch) -> Scores:
+        if np.any(np.asarray(features)[:, 0] > 5.2):
+            raise ZeroDivisionError("too far")
+        return super().scores(features)
+
+
+def test_samples_at_which_a_classifier_fails_are_not_judged() -> None:
+    pipeline = Pipeline({"beams": (Beams(), Moody(RBF(0.1)))}, unknown=Unknown(0.1))
+    with pytest.raises(ComponentError, match="too far"):
+        pipeline.fit(Walk(rounds=2))
+    pipeline.on_error = "skip"
+    pipeline.fit(Walk(rounds=2))
+    assert pipeline.judged_ is not None
+    told = sum(len(each.decisions()[0]) for each in pipeline.judged_)
+    far = sum(bool(each.scan.filled()[0] > 5.2) for each in Walk(rounds=2) if each.scan)
+    assert 0 < far < 40
+    assert told == 160 - far
 
 
 def test_stamps_reach_the_integrator_s_folds() -> None:

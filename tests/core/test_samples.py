@@ -22,6 +22,7 @@ from placecue import (
 )
 from placecue.classifier import Classifier
 from placecue.cue_model import CueModel
+from placecue.errors import ContractError
 from placecue.learning.samples import collect
 from placecue.scaling import RangeScaling
 from placecue_classifiers.svm import SVM
@@ -41,6 +42,49 @@ class Doubled(toys.Beams):
 
     def augmentations(self) -> list[partial[Observation]]:
         return [partial(scaled, factor=factor) for factor in (0.5, 2.0)]
+
+
+class Unsaid(toys.Beams):
+    """Its copies look like what was recorded."""
+
+    def augmentations(self) -> list[object]:
+        return [self._halved]
+
+    @staticmethod
+    def _halved(each: Observation) -> Observation:
+        return Observation(each.stamp, scan=each.scan.scaled(0.5), origin=each.origin)
+
+
+def test_a_copy_that_does_not_say_what_it_is_is_refused() -> None:
+    """Kept features of what was recorded would be taken for its own."""
+    refused = "augmentation returned other parts as if they were recorded.* at stamp 0 of walk 0$"
+    with pytest.raises(ContractError, match=refused):
+        collect(Walk(rounds=1), {"beams": Unsaid()})
+
+
+class Namesakes(toys.Beams):
+    """Two augmentations of one name."""
+
+    def augmentations(self) -> list[partial[Observation]]:
+        return [partial(self._scaled, factor=factor) for factor in (0.5, 2.0)]
+
+    @staticmethod
+    def _scaled(each: Observation, factor: float) -> Observation:
+        return each.altered("scaled", scan=each.scan.scaled(factor))
+
+
+class LearningNamesakes(Namesakes):
+    """Likewise, and learns."""
+
+    learns = True
+
+
+@pytest.mark.parametrize("cue", [Namesakes(), LearningNamesakes()])
+def test_augmentations_of_one_name_are_refused(cue: Cue) -> None:
+    """Kept features of one would be taken for those of the other."""
+    pipeline = Pipeline({"beams": (cue, SVM(RBF()))})
+    with pytest.raises(ContractError, match="2 augmentations call their copies 'scaled'"):
+        pipeline.fit(Walk(rounds=1))
 
 
 class LearningDoubled(toys.Brightness):

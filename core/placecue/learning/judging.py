@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from placecue.errors import DataError
 from placecue.evidence import Evidence
 from placecue.folds import FoldScheme, InterleavedChunks
+from placecue.guard import call
 from placecue.held_out import HeldOut
+from placecue.integration import integrated
 from placecue.integrator import Integrator
 from placecue.learning.samples import Samples
 from placecue.progress import track
@@ -73,16 +75,17 @@ def judged_by_copies(pipeline: Pipeline, samples: Samples) -> list[Judged]:
     for rows, held_out in track(splits, "held-out decisions"):
         training, unseen = samples.take(rows), samples.take(held_out)
         copy = pipeline.unfitted()
-        copy.folds = _cutting(pipeline.folds, training)
         copy.fit_cues(training)
         if copy.integrates:
             copy.fit_integrator(copy.held_out(training))
-        evidence = copy.evidence_of(unseen)
-        judged.append(Judged(unseen.labels, copy.integrator.integrate(evidence), evidence))
+        held = HeldOut(copy.evidence_of(unseen), unseen.labels)
+        judged.append(judged_by(copy.integrator, held, skip=pipeline.skips))
     return judged
 
 
-def judged_by_integrators(integrator: Integrator, held_out: HeldOut) -> list[Judged]:
+def judged_by_integrators(
+    integrator: Integrator, held_out: HeldOut, *, skip: bool = False
+) -> list[Judged]:
     """Judge on another sequence, which the single-cue models have not seen in any way.
 
     Copies of the integrator are fitted, with their own searches, in folds of it.
@@ -90,10 +93,19 @@ def judged_by_integrators(integrator: Integrator, held_out: HeldOut) -> list[Jud
     judged = []
     splits = _splits(held_out.folds, held_out.labels, held_out.stamps, held_out.groups)
     for rows, unseen in track(splits, "held-out decisions"):
-        copy = integrator.unfitted().train(held_out.take(rows))
-        part = held_out.take(unseen)
-        judged.append(Judged(part.labels, copy.integrate(part.evidence), part.evidence))
+        copy = integrator.unfitted()
+        call(copy, "train", held_out.take(rows))
+        judged.append(judged_by(copy, held_out.take(unseen), skip=skip))
     return judged
+
+
+def judged_by(integrator: Integrator, held_out: HeldOut, *, skip: bool = False) -> Judged:
+    """Return what a fitted integrator says of samples that neither it nor the cues have seen.
+
+    Samples at which it fails are missing where ``skip`` says so.
+    """
+    scores, _ = integrated(integrator, held_out.evidence, skip=skip)
+    return Judged(held_out.labels, scores, held_out.evidence)
 
 
 def _splits(
@@ -105,12 +117,3 @@ def _splits(
         # A scheme may need what is not here: by_log needs two logs, and held out was one.
         log.warning(f"held-out decisions are cut into interleaved chunks instead: {error}")
         return list(InterleavedChunks(folds.n_folds).split(*samples))  # type: ignore[arg-type]
-
-
-def _cutting(folds: FoldScheme, training: Samples) -> FoldScheme:
-    """Return how a copy cuts its samples: as the pipeline, where they can be cut like that."""
-    try:
-        next(iter(folds.split(training.labels, training.stamps, training.groups)))
-    except DataError:
-        return InterleavedChunks(folds.n_folds)
-    return folds

@@ -13,7 +13,7 @@ from sklearn.base import clone
 
 from placecue import contracts
 from placecue.cue import Augmentation, Cue
-from placecue.errors import DataError, UnusableObservation, UsageError
+from placecue.errors import ContractError, DataError, UnusableObservation, UsageError
 from placecue.extraction import BATCH, Extracted, Extraction, batched, joined
 from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
@@ -21,6 +21,7 @@ from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.guard import step
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
+from placecue.provenance import provenance
 from placecue.source import guarded
 from placecue.training_set import TrainingSet
 
@@ -51,6 +52,9 @@ class Samples:
         How the samples are cut by whoever has no scheme of its own.
     skip : bool
         Whether a sample at which a cue that has learned fails counts as unusable.
+    part : bool
+        Whether these are some of the samples that the folds were chosen for; see
+        :class:`placecue.TrainingSet`.
     """
 
     labels: NDArray[np.str_]
@@ -63,6 +67,7 @@ class Samples:
     extraction: Extraction
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     skip: bool = False
+    part: bool = False
     _known: dict[str, tuple[Cue, TrainingSet, Rows]] = field(default_factory=dict, repr=False)
     #: The cues of which it is said already that they could not use some samples.
     _said: set[str] = field(default_factory=set, repr=False)
@@ -83,6 +88,7 @@ class Samples:
             },
             positions=self.positions[rows],
             origins=[self.origins[row] for row in rows],
+            part=self.part or len(rows) < len(self),
             _known={},
         )
 
@@ -170,6 +176,8 @@ class Samples:
     def _views(self, cue: Cue) -> list[Extracted]:
         """Return what a cue makes of the samples as recorded, and of their augmented copies."""
         gather, reread = self.extraction.gather, self.reread()
+        if len(cue.augmentations()) > 1:
+            told_apart(cue, next(iter(reread)))
         recorded = gather(cue, reread, skip=self.skip)
         altered = (partial(augmented, cue, augment) for augment in cue.augmentations())
         return [recorded, *(gather(cue, map(each, reread), skip=self.skip) for each in altered)]
@@ -179,7 +187,13 @@ class Samples:
 
     def _set(self, recorded: FeatureBatch, *augmented: FeatureBatch) -> TrainingSet:
         return TrainingSet(
-            recorded, self.labels, self.stamps, self.groups, augmented, folds=self.folds
+            recorded,
+            self.labels,
+            self.stamps,
+            self.groups,
+            augmented,
+            folds=self.folds,
+            part=self.part,
         )
 
 
@@ -197,9 +211,32 @@ class Reread:
 
 def augmented(cue: Cue, augment: Augmentation, observation: Observation) -> Observation:
     """Return what an augmentation of a cue makes of an observation, checked."""
-    check = contracts.observation
+
+    def check(made: Any) -> str | None:
+        return contracts.observation(made) or _said_altered(made, observation)
+
     made: Observation = step(cue, "augmentation", augment, observation, check=check, at=observation)
     return made
+
+
+def _said_altered(made: Observation, recorded: Observation) -> str | None:
+    """Check that what is unlike the recorded observation says so: kept features go by that."""
+    same = made.scan is recorded.scan and made.image_source is recorded.image_source
+    if same or made.origin is None or made.origin != recorded.origin:
+        return None
+    return "returned other parts as if they were recorded: make copies with altered(how, ...)"
+
+
+def told_apart(cue: Cue, observation: Observation) -> None:
+    """Raise ContractError if two augmentations of a cue give their copies one name."""
+    made = [augmented(cue, augment, observation) for augment in cue.augmentations()]
+    names = [each.origin.altered for each in made if each.origin is not None]
+    for name in filter(None, names):
+        if names.count(name) > 1:
+            raise ContractError(
+                f"{provenance(cue)}: {names.count(name)} augmentations call their copies "
+                f"'{name}': give each a name of its own in altered(how, ...)"
+            )
 
 
 class _Gathered:
@@ -216,6 +253,8 @@ class _Gathered:
         """Return (rows, features) of each view, and why observations are unusable, by row."""
         found = []
         failed: dict[int, UnusableObservation] = {}
+        if observations and len(self.views) > 2 and not self.kept[0]:
+            told_apart(self.cue, observations[0])
         for augment in self.views:
             seen = observations
             if augment is not None:

@@ -58,7 +58,7 @@ class Grid:
             if name not in known:
                 raise UsageError(
                     f"search cannot vary '{name}' of this SVM and kernel; {choices(name, known)}; "
-                    f"take it out with ~...search.{name}"
+                    f"take it out with ...search.{name}=null"
                 )
             check_listed(name, tried)
             positive = name == "C" or name.rsplit("__", 1)[-1] == "gamma"

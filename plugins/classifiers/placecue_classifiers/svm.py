@@ -148,7 +148,9 @@ class SVM(Classifier):
         folds = self._folds(grid, training, prepare) if self.search or self.probability else []
         best, setting, rows = self, Setting(), np.arange(len(codes))
         if self.search:
-            rows = rows if self.refit else _one_training_part(folds)
+            # What is left of the logs in a fold may be one log, and then is held out in turn.
+            whole = self.refit or (training.part and sum(len(each.splits) for each in folds) > 1)
+            rows = rows if whole else _one_training_part(folds)
             extensions = [self.with_setting(each)._extension(self) for each in grid.machines()]
             self.search_ = search(grid, folds, extensions, codes)
             self.chosen_ = setting = best_of(self.search_)
@@ -324,8 +326,6 @@ class SVM(Classifier):
             if given is not None and not isinstance(given, kind):
                 raise UsageError(f"{name} must be a {kind.__name__} or None, got {given!r}")
         if self.folds is not None:
-            if not isinstance(self.folds, FoldScheme):
-                raise UsageError(f"folds must be a FoldScheme, such as Blocks(), got {self.folds}")
             self.folds.check_parameters()
         if not self.C > 0:
             raise UsageError(f"C must be above 0, got {self.C}")

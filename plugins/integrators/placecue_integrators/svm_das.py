@@ -80,6 +80,7 @@ class SVMDAS(Integrator):
             complete.stamps,
             complete.groups,
             folds=complete.folds,
+            part=complete.part,
         )
         self.classifier_ = clone(self.classifier)
         self.classifier_.train(training)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from placecue.errors import DataError
 from placecue.evidence import Evidence
-from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
 
 @dataclass(frozen=True)
@@ -66,4 +66,4 @@ class HeldOut:
 
     def split(self) -> list[tuple[Rows, Rows]]:
         """Return (fitting rows, held-out rows) for each fold."""
-        return list(self.folds.split(self.labels, self.stamps, self.groups))
+        return cut(self.folds, self.labels, self.stamps, self.groups)

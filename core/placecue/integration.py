@@ -62,3 +62,10 @@ def integrated(
     for rows, scores in attempts.answers:
         values[rows] = scores.values
     return Scores(values, layout), attempts.failed
+
+
+def integrated_samples(integrator: Integrator, evidence: Evidence) -> Scores:
+    """Return the integrated scores of n training samples, NaN where nothing can be told."""
+    check = partial(contracts.scores, n=len(evidence), gaps=True)
+    scores: Scores = call(integrator, "integrate", evidence, check=check)
+    return scores

@@ -26,7 +26,7 @@ from placecue.faults import Faults
 from placecue.folds import FoldScheme, InterleavedChunks
 from placecue.guard import call
 from placecue.held_out import HeldOut
-from placecue.integration import integrated
+from placecue.integration import integrated, integrated_samples
 from placecue.integrator import Integrator, OnlyCue
 from placecue.learning.judging import Judged, judged_by_copies, judged_by_integrators
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
@@ -345,7 +345,7 @@ class Pipeline:
     def unfitted(self) -> Pipeline:
         """Return a copy that has learned nothing, with the same parameters and extraction."""
         cues = {name: model.unfitted() for name, model in self.cues.items()}
-        copy = Pipeline(cues, self.integrator.unfitted(), self.folds, self.unknown)
+        copy = Pipeline(cues, call(self.integrator, "unfitted"), self.folds, self.unknown)
         copy.extraction, copy.on_error = self.extraction, self.on_error
         return copy
 
@@ -369,7 +369,7 @@ class Pipeline:
 
     def _judge(self, unseen: HeldOut) -> Judged:
         """Return what the pipeline says of samples that no part of it has seen."""
-        scores = self.integrator.integrate(unseen.evidence)
+        scores = integrated_samples(self.integrator, unseen.evidence)
         return Judged(unseen.labels, scores, unseen.evidence)
 
     def _tells_probabilities(self) -> bool:
@@ -377,7 +377,7 @@ class Pipeline:
         layouts = [model.layout for model in self.cues.values()]
         if self.held_out_ is not None and self.integrates:
             one = self.held_out_.evidence.take([0])
-            layouts.append(self.integrator.integrate(one).layout)
+            layouts.append(integrated_samples(self.integrator, one).layout)
         return any(isinstance(layout, Probabilities) for layout in layouts)
 
     def _check_names(self, samples: Samples) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import DataError
 from placecue.features import FeatureBatch, join, take
-from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class TrainingSet:
             If the samples cannot be cut.
         """
         scheme = self.folds if folds is None else folds
-        return list(scheme.split(np.asarray(self.labels), self.stamps, self.groups))
+        return cut(scheme, np.asarray(self.labels), self.stamps, self.groups)
 
     def take(self, rows: Rows) -> TrainingSet:
         """Return the set of the given samples; their cue has learned from what it had."""

@@ -22,6 +22,7 @@ from placecue.components.nesting import SEARCH, visited_parameters
 from placecue.components.parameter_types import misfits
 from placecue.components.registry import Registry
 from placecue.errors import FOREIGN, PlacecueError, PluginError, UsageError, choices, told
+from placecue.guard import call
 
 
 def plain(value: Any) -> Any:
@@ -146,7 +147,7 @@ def describe(component: Any, registry: Registry) -> dict[str, Any]:
             "component, so a model folder cannot name it: register it as a plugin"
         )
     spec: dict[str, Any] = {"plugin": provided.component.name}
-    for name, value in component.get_params(deep=False).items():
+    for name, value in call(component, "get_params", deep=False).items():
         spec[name] = _described(value, registry)
     return spec
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from placecue.contracts.words import all_finite, array, rows
+from placecue.contracts.words import all_finite, array, counted, rows
 from placecue.errors import described
 from placecue.scores import Layout, Scores
 
@@ -55,6 +56,31 @@ def scores(made: Any, n: int, layout: Layout | None = None, *, gaps: bool = Fals
         if not np.all(np.isfinite(made.values) | kept):
             wrong = f"returned {'infinite' if gaps else 'NaN or infinite'} scores"
     return wrong
+
+
+def trained(made: Any, labels: NDArray[Any]) -> str | None:
+    """Check that a classifier says what its scores will be: of the classes that it was given.
+
+    Parameters
+    ----------
+    made : object
+        The classifier, after its ``train``.
+    labels : ndarray, shape (n,)
+        The classes of the samples.
+    """
+    layout = getattr(made, "layout_", None)
+    if not isinstance(layout, Layout):
+        return f"left {described(layout)} as layout_, not a Layout"
+    classes = tuple(map(str, np.unique(labels)))
+    if tuple(layout.classes) != classes:
+        return (
+            f"left a layout_ of the classes {', '.join(map(str, layout.classes))}, where the "
+            f"samples are of {', '.join(classes)}"
+        )
+    names = getattr(made, "labels_", classes)
+    if not isinstance(names, (np.ndarray, list, tuple)) or len(names) != len(classes):
+        return f"left {described(names)} as labels_, not {counted(len(classes), 'label')}"
+    return None
 
 
 def _floats(made: Any, shape: tuple[int, ...], what: str = "") -> str | None:

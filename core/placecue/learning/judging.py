@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from placecue.errors import DataError
 from placecue.evidence import Evidence
-from placecue.folds import FoldScheme, InterleavedChunks
+from placecue.folds import FoldScheme, InterleavedChunks, cut
+from placecue.guard import call
 from placecue.held_out import HeldOut
+from placecue.integration import integrated_samples
 from placecue.integrator import Integrator
 from placecue.learning.samples import Samples
 from placecue.progress import track
@@ -78,7 +80,8 @@ def judged_by_copies(pipeline: Pipeline, samples: Samples) -> list[Judged]:
         if copy.integrates:
             copy.fit_integrator(copy.held_out(training))
         evidence = copy.evidence_of(unseen)
-        judged.append(Judged(unseen.labels, copy.integrator.integrate(evidence), evidence))
+        scores = integrated_samples(copy.integrator, evidence)
+        judged.append(Judged(unseen.labels, scores, evidence))
     return judged
 
 
@@ -90,9 +93,10 @@ def judged_by_integrators(integrator: Integrator, held_out: HeldOut) -> list[Jud
     judged = []
     splits = _splits(held_out.folds, held_out.labels, held_out.stamps, held_out.groups)
     for rows, unseen in track(splits, "held-out decisions"):
-        copy = integrator.unfitted().train(held_out.take(rows))
+        copy: Integrator = call(integrator, "unfitted")
+        call(copy, "train", held_out.take(rows))
         part = held_out.take(unseen)
-        judged.append(Judged(part.labels, copy.integrate(part.evidence), part.evidence))
+        judged.append(Judged(part.labels, integrated_samples(copy, part.evidence), part.evidence))
     return judged
 
 
@@ -100,17 +104,17 @@ def _splits(
     folds: FoldScheme, *samples: NDArray[np.str_] | NDArray[np.int64] | None
 ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     try:
-        return list(folds.split(*samples))  # type: ignore[arg-type]
+        return cut(folds, *samples)  # type: ignore[arg-type]
     except DataError as error:
         # A scheme may need what is not here: by_log needs two logs, and held out was one.
         log.warning(f"held-out decisions are cut into interleaved chunks instead: {error}")
-        return list(InterleavedChunks(folds.n_folds).split(*samples))  # type: ignore[arg-type]
+        return cut(InterleavedChunks(folds.n_folds), *samples)  # type: ignore[arg-type]
 
 
 def _cutting(folds: FoldScheme, training: Samples) -> FoldScheme:
     """Return how a copy cuts its samples: as the pipeline, where they can be cut like that."""
     try:
-        next(iter(folds.split(training.labels, training.stamps, training.groups)))
+        cut(folds, training.labels, training.stamps, training.groups)
     except DataError:
         return InterleavedChunks(folds.n_folds)
     return folds

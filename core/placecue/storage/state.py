@@ -72,10 +72,16 @@ class Encoder:
             or has learned what a model folder cannot hold.
         """
         _check_names(component, where)
-        return {
-            name: self.encode(value, f"{where}.{name}")
-            for name, value in sorted(learned(component).items())
-        }
+        try:
+            return {
+                name: self.encode(value, f"{where}.{name}")
+                for name, value in sorted(learned(component).items())
+            }
+        except RecursionError as error:
+            raise UsageError(
+                f"{where} has learned what holds itself, or is nested too deep for a model folder: "
+                "keep learned state as lists and mappings of a few levels"
+            ) from error
 
     def encode(self, value: Any, where: str) -> Any:
         """Return one value as JSON.

@@ -26,7 +26,7 @@ from placecue.faults import Faults
 from placecue.folds import FoldScheme, InterleavedChunks
 from placecue.guard import call
 from placecue.held_out import HeldOut
-from placecue.integration import integrated, integrated_samples
+from placecue.integration import integrated, integrated_samples, unfitted
 from placecue.integrator import Integrator, OnlyCue
 from placecue.learning.judging import Judged, judged_by_copies, judged_by_integrators
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
@@ -345,7 +345,7 @@ class Pipeline:
     def unfitted(self) -> Pipeline:
         """Return a copy that has learned nothing, with the same parameters and extraction."""
         cues = {name: model.unfitted() for name, model in self.cues.items()}
-        copy = Pipeline(cues, call(self.integrator, "unfitted"), self.folds, self.unknown)
+        copy = Pipeline(cues, unfitted(self.integrator), self.folds, self.unknown)
         copy.extraction, copy.on_error = self.extraction, self.on_error
         return copy
 

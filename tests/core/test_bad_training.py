@@ -274,6 +274,12 @@ class OddIntegrator(Integrator):
     [
         ("unfitted", lambda _: raises(), "unfitted failed: ValueError: two lines"),
         ("integrate", lambda _: raises(), "integrate failed: ValueError: two lines"),
+        ("unfitted", lambda _: None, "unfitted returned None, not a copy of the integrator"),
+        (
+            "integrate",
+            lambda made: Scores(made.values, OneAgainstAll(("a", "b", "c", "d"))),
+            "integrate returned scores of a, b, c, d, not of corridor, kitchen, lab, office",
+        ),
         ("integrate", lambda made: made[:1], "integrate returned 1 row for"),
         ("integrate", lambda made: made.values, "integrate returned a ndarray, not Scores"),
     ],
@@ -290,3 +296,13 @@ def test_an_integrator_that_misbehaves_where_it_is_judged(
             unknown=Unknown(false_accept_rate=0.05),
             integration=integration,
         )
+
+
+def test_an_integrator_of_other_classes_classifies_nothing() -> None:
+    made = Pipeline({"first": (Beams(), Means()), "second": (Beams(2), Means())}, OddIntegrator())
+    made.fit(Walk(rounds=2))
+    other = OneAgainstAll(("a", "b", "c", "d"))
+    made.integrator = OddIntegrator("integrate", lambda scores: Scores(scores.values, other))
+    who = rf"integrator OddIntegrator \({__name__}\)"
+    with pytest.raises(ContractError, match=f"^{who}: integrate returned scores of a, b, c, d, no"):
+        next(made.beliefs(Walk(rounds=1)))

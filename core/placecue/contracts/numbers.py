@@ -25,7 +25,14 @@ def scaled(made: Any, shape: tuple[int, ...]) -> str | None:
     return _floats(made, shape)
 
 
-def scores(made: Any, n: int, layout: Layout | None = None, *, gaps: bool = False) -> str | None:
+def scores(
+    made: Any,
+    n: int,
+    layout: Layout | None = None,
+    *,
+    classes: tuple[str, ...] | None = None,
+    gaps: bool = False,
+) -> str | None:
     """Check the scores of n samples.
 
     Parameters
@@ -36,6 +43,8 @@ def scores(made: Any, n: int, layout: Layout | None = None, *, gaps: bool = Fals
         How many samples were asked for.
     layout : Layout, optional
         The one that they must have.
+    classes : tuple of str, optional
+        The ones that they must be of, in whatever layout.
     gaps : bool
         Whether there may be NaN.
     """
@@ -46,6 +55,8 @@ def scores(made: Any, n: int, layout: Layout | None = None, *, gaps: bool = Fals
         return f"returned scores whose layout is {described(of)}"
     if layout is not None and made.layout is not layout and made.layout != layout:
         return f"returned scores of layout {_layout(made.layout)}, not of {_layout(layout)}"
+    if classes is not None and made.layout.classes != classes:
+        return f"returned scores of {', '.join(made.layout.classes)}, not of {', '.join(classes)}"
     if isinstance(made.values, np.ndarray) and made.values.ndim == 2:
         wrong = rows(made.values, n)
         if wrong:

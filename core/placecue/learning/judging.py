@@ -14,7 +14,7 @@ from placecue.evidence import Evidence
 from placecue.folds import FoldScheme, InterleavedChunks, cut
 from placecue.guard import call
 from placecue.held_out import HeldOut
-from placecue.integration import integrated_samples
+from placecue.integration import integrated_samples, unfitted
 from placecue.integrator import Integrator
 from placecue.learning.samples import Samples
 from placecue.progress import track
@@ -93,7 +93,7 @@ def judged_by_integrators(integrator: Integrator, held_out: HeldOut) -> list[Jud
     judged = []
     splits = _splits(held_out.folds, held_out.labels, held_out.stamps, held_out.groups)
     for rows, unseen in track(splits, "held-out decisions"):
-        copy: Integrator = call(integrator, "unfitted")
+        copy = unfitted(integrator)
         call(copy, "train", held_out.take(rows))
         part = held_out.take(unseen)
         judged.append(Judged(part.labels, integrated_samples(copy, part.evidence), part.evidence))

@@ -61,7 +61,9 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
     where = where or kind
     name, parameters = named(spec, kind, registry, where)
     factory = registry.load(kind, name)
-    return construct(factory, parameters, registry, where, f"{where}: {kind} '{name}'")
+    by = registry.get(kind, name)
+    owner = f"{by.distribution} {by.version}"
+    return construct(factory, parameters, registry, where, f"{where}: {kind} '{name}'", owner)
 
 
 def named(spec: Any, kind: Kind, registry: Registry, where: str) -> tuple[str, dict[str, Any]]:
@@ -85,7 +87,12 @@ def named(spec: Any, kind: Kind, registry: Registry, where: str) -> tuple[str, d
 
 
 def construct(
-    factory: Any, parameters: Mapping[str, Any], registry: Registry, where: str, what: str = ""
+    factory: Any,
+    parameters: Mapping[str, Any],
+    registry: Registry,
+    where: str,
+    what: str = "",
+    owner: str = "",
 ) -> Any:
     """Build what a factory makes of parameters, the components in them built first.
 
@@ -101,6 +108,8 @@ def construct(
         Where in the config it stands, for messages.
     what : str
         How messages begin; by default with where it stands.
+    owner : str
+        The distribution that brought it, with its version, where that is known.
 
     Raises
     ------
@@ -128,7 +137,8 @@ def construct(
         reason = " ".join(str(error).split())
         raise UsageError(f"{what} refused its parameters: {reason}") from error
     except FOREIGN as error:
-        raise PluginError(f"{what} cannot be made: {told(error)}") from error
+        by = f" ({owner})" if owner else ""
+        raise PluginError(f"{what}{by} cannot be made: {told(error)}") from error
     return made
 
 

@@ -6,13 +6,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from sklearn.base import clone
 
 from placecue import contracts
 from placecue.attempts import attempt
 from placecue.classifier import Classifier
 from placecue.cue import Cue
 from placecue.errors import described
+from placecue.estimator import clone
 from placecue.features import FeatureBatch, n_samples, take
 from placecue.folds import FoldScheme, Rows
 from placecue.guard import call, step
@@ -49,7 +49,11 @@ class CueModel:
 
     def fit(self, training: TrainingSet) -> CueModel:
         """Train the classifier on features of the cue, which has learned already."""
-        call(self.classifier, "train", training)
+
+        def wrong(_: object) -> str | None:
+            return contracts.trained(self.classifier, np.asarray(training.labels))
+
+        call(self.classifier, "train", training, check=wrong)
         return self
 
     def scores(self, features: FeatureBatch, at: Observation | None = None) -> Scores:

@@ -7,6 +7,9 @@ from typing import Any, Self, TypeVar
 from sklearn import base
 from sklearn.base import BaseEstimator
 
+from placecue.errors import described
+from placecue.guard import step
+
 T = TypeVar("T")
 
 
@@ -32,6 +35,11 @@ class Estimator(BaseEstimator):  # type: ignore[misc]
 
 
 def clone(component: T) -> T:
-    """Return an unfitted copy of a component with the same parameters: scikit-learn's, typed."""
-    copy: T = base.clone(component)
+    """Return an unfitted copy of a component with the same parameters: scikit-learn's, guarded."""
+
+    def wrong(made: object) -> str | None:
+        like = type(made) is type(component)
+        return None if like else f"returned {described(made)}, not {described(component)}"
+
+    copy: T = step(component, "clone", base.clone, component, check=wrong)
     return copy

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import DataError, UsageError, described
 from placecue.estimator import Estimator
-from placecue.guard import call
+from placecue.guard import call, step
 
 Rows = NDArray[np.int64]
 NANOSECONDS = 1_000_000_000
@@ -117,6 +117,37 @@ class FoldScheme(Estimator, ABC):
         except DataError:
             return InterleavedChunks(self.n_folds)
         return self
+
+
+def cut(
+    scheme: FoldScheme,
+    labels: ArrayLike,
+    stamps: ArrayLike | None = None,
+    groups: ArrayLike | None = None,
+) -> list[tuple[Rows, Rows]]:
+    """Return what :meth:`FoldScheme.split` of a scheme yields, checked."""
+
+    def split() -> list[Any]:
+        return list(scheme.split(labels, stamps, groups))
+
+    check = partial(parted, n=len(np.asarray(labels)))
+    splits: list[tuple[Rows, Rows]] = step(scheme, "split", split, check=check)
+    return splits
+
+
+def parted(made: list[Any], n: int) -> str | None:
+    """Check the folds of n samples: rows to train on and others to hold out."""
+    for fold in made:
+        if not isinstance(fold, tuple) or len(fold) != 2:
+            return f"yielded {described(fold)}, not training rows and held-out rows"
+        for rows in fold:
+            if not isinstance(rows, np.ndarray) or rows.dtype.kind not in "iu" or rows.ndim != 1:
+                return f"yielded {described(rows)} as rows, not an array of whole numbers"
+            if not rows.size or rows.min() < 0 or rows.max() >= n:
+                return f"yielded rows of which none, or not all, are of the {n} samples"
+        if np.intersect1d(*fold).size:
+            return "yielded a fold that holds out samples which it trains on"
+    return None
 
 
 def promised(made: Any, n: int, n_folds: int) -> str | None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from placecue.errors import DataError
 from placecue.evidence import Evidence
-from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
 
 @dataclass(frozen=True)
@@ -74,4 +74,4 @@ class HeldOut:
         """Return (fitting rows, held-out rows) for each fold."""
         samples = self.labels, self.stamps, self.groups
         folds = self.folds.of_part(*samples) if self.part else self.folds
-        return list(folds.split(*samples))
+        return cut(folds, *samples)

@@ -9,7 +9,7 @@ import numpy as np
 
 from placecue import contracts
 from placecue.attempts import attempt
-from placecue.errors import UnusableObservation
+from placecue.errors import UnusableObservation, described
 from placecue.evidence import Evidence
 from placecue.folds import Rows
 from placecue.guard import call
@@ -48,7 +48,7 @@ def integrated(
 
     def integrate(rows: Rows) -> Scores:
         some = evidence if len(rows) == len(evidence) else evidence.take(rows)
-        check = partial(contracts.scores, n=len(rows), gaps=True)
+        check = partial(contracts.scores, n=len(rows), classes=_classes(evidence), gaps=True)
         at = observations[rows[0]] if observations is not None and len(rows) == 1 else None
         scores: Scores = call(integrator, "integrate", some, check=check, at=at)
         return scores
@@ -62,3 +62,18 @@ def integrated(
     for rows, scores in attempts.answers:
         values[rows] = scores.values
     return Scores(values, layout), attempts.failed
+
+
+def unfitted(integrator: Integrator) -> Integrator:
+    """Return a copy of an integrator that has learned nothing, checked."""
+
+    def wrong(made: object) -> str | None:
+        right = isinstance(made, Integrator) and made is not integrator
+        return None if right else f"returned {described(made)}, not a copy of the integrator"
+
+    copy: Integrator = call(integrator, "unfitted", check=wrong)
+    return copy
+
+
+def _classes(evidence: Evidence) -> tuple[str, ...]:
+    return evidence.layout(evidence.cues[0]).classes

@@ -26,7 +26,7 @@ from placecue.faults import Faults
 from placecue.folds import FoldScheme, InterleavedChunks
 from placecue.guard import call
 from placecue.held_out import HeldOut
-from placecue.integration import integrated
+from placecue.integration import integrated, unfitted
 from placecue.integrator import Integrator, OnlyCue
 from placecue.learning.judging import (
     Judged,
@@ -354,7 +354,7 @@ class Pipeline:
     def unfitted(self) -> Pipeline:
         """Return a copy that has learned nothing, with the same parameters and extraction."""
         cues = {name: model.unfitted() for name, model in self.cues.items()}
-        copy = Pipeline(cues, self.integrator.unfitted(), self.folds, self.unknown)
+        copy = Pipeline(cues, unfitted(self.integrator), self.folds, self.unknown)
         copy.extraction, copy.on_error = self.extraction, self.on_error
         return copy
 

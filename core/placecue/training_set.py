@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import DataError
 from placecue.features import FeatureBatch, join, take
-from placecue.folds import FoldScheme, InterleavedChunks, Rows
+from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class TrainingSet:
         samples = np.asarray(self.labels), self.stamps, self.groups
         if self.part:
             scheme = scheme.of_part(*samples)
-        return list(scheme.split(*samples))
+        return cut(scheme, *samples)
 
     def take(self, rows: Rows) -> TrainingSet:
         """Return the set of the given samples; their cue has learned from what it had."""

@@ -207,11 +207,18 @@ def test_nonsense_is_one_line(case: str, log_b: Path, laser_model: Path) -> None
     assert answer.status == 1
 
 
-@pytest.mark.parametrize("misdeed", ["raises", "leaves", "closes"])
-def test_one_that_cannot_be_made_is_one_line(misdeed: str, log_b: Path) -> None:
+@pytest.mark.parametrize(
+    ("misdeed", "said"),
+    [
+        ("raises", "refused its parameters: two lines"),
+        ("leaves", "(odd-things 1.2) cannot be made: SystemExit: 3"),
+        ("closes", "(odd-things 1.2) cannot be made: GeneratorExit"),
+    ],
+)
+def test_one_that_cannot_be_made_is_one_line(misdeed: str, said: str, log_b: Path) -> None:
     DEED[:] = [MISDEEDS[misdeed][0]]
     answer = placecue("train", "cue=oddly_made", f"log={log_b}", "out=model")
-    assert "cue 'oddly_made'" in answer.line
+    assert answer.line == f"cues.oddly_made: cue 'oddly_made' {said}"
     assert "should not happen" not in answer.err
     assert answer.status in (1, 2)
 

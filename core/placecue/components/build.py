@@ -22,6 +22,7 @@ from placecue.components.nesting import SEARCH, visited_parameters
 from placecue.components.parameter_types import misfits
 from placecue.components.registry import Registry
 from placecue.errors import FOREIGN, PlacecueError, PluginError, UsageError, choices, told
+from placecue.guard import call
 
 
 def plain(value: Any) -> Any:
@@ -60,7 +61,9 @@ def build(spec: Any, kind: Kind, registry: Registry, where: str = "") -> Any:
     where = where or kind
     name, parameters = named(spec, kind, registry, where)
     factory = registry.load(kind, name)
-    return construct(factory, parameters, registry, where, f"{where}: {kind} '{name}'")
+    by = registry.get(kind, name)
+    owner = f"{by.distribution} {by.version}"
+    return construct(factory, parameters, registry, where, f"{where}: {kind} '{name}'", owner)
 
 
 def named(spec: Any, kind: Kind, registry: Registry, where: str) -> tuple[str, dict[str, Any]]:
@@ -84,7 +87,12 @@ def named(spec: Any, kind: Kind, registry: Registry, where: str) -> tuple[str, d
 
 
 def construct(
-    factory: Any, parameters: Mapping[str, Any], registry: Registry, where: str, what: str = ""
+    factory: Any,
+    parameters: Mapping[str, Any],
+    registry: Registry,
+    where: str,
+    what: str = "",
+    owner: str = "",
 ) -> Any:
     """Build what a factory makes of parameters, the components in them built first.
 
@@ -100,6 +108,8 @@ def construct(
         Where in the config it stands, for messages.
     what : str
         How messages begin; by default with where it stands.
+    owner : str
+        The distribution that brought it, with its version, where that is known.
 
     Raises
     ------
@@ -127,7 +137,8 @@ def construct(
         reason = " ".join(str(error).split())
         raise UsageError(f"{what} refused its parameters: {reason}") from error
     except FOREIGN as error:
-        raise PluginError(f"{what} cannot be made: {told(error)}") from error
+        by = f" ({owner})" if owner else ""
+        raise PluginError(f"{what}{by} cannot be made: {told(error)}") from error
     return made
 
 
@@ -146,7 +157,7 @@ def describe(component: Any, registry: Registry) -> dict[str, Any]:
             "component, so a model folder cannot name it: register it as a plugin"
         )
     spec: dict[str, Any] = {"plugin": provided.component.name}
-    for name, value in component.get_params(deep=False).items():
+    for name, value in call(component, "get_params", deep=False).items():
         spec[name] = _described(value, registry)
     return spec
 

@@ -7,8 +7,9 @@ Each function returns None, or what is wrong, such as ``returned 1 row for 3 sam
 from __future__ import annotations
 
 from placecue.contracts.features import batch, features, finite
-from placecue.contracts.numbers import gram, scaled, scores
+from placecue.contracts.numbers import gram, scaled, scores, trained
 from placecue.contracts.observations import (
+    augmentations,
     camera,
     count,
     fits,
@@ -25,6 +26,7 @@ from placecue.folds import promised as folds
 
 __all__ = [
     "area_update",
+    "augmentations",
     "batch",
     "camera",
     "count",
@@ -45,6 +47,7 @@ __all__ = [
     "semantic_map",
     "stamp",
     "text",
+    "trained",
 ]
 
 

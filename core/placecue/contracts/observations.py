@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -58,6 +58,14 @@ def observation(made: Any) -> str | None:
     if wrong is None and made.scan is not None:
         wrong = scan(made.scan)
     return wrong or image(made.image_source)
+
+
+def augmentations(made: Any) -> str | None:
+    """Check what ``Cue.augmentations`` returns: functions."""
+    if not isinstance(made, Sequence):
+        return f"returned {described(made)}, not a sequence of functions"
+    wrong = [each for each in made if not callable(each)]
+    return f"returned {described(wrong[0])} among its functions" if wrong else None
 
 
 def image(made: Any) -> str | None:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from placecue.errors import DataError
 from placecue.evidence import Evidence
-from placecue.folds import FoldScheme, InterleavedChunks
+from placecue.folds import FoldScheme, InterleavedChunks, cut
 from placecue.guard import call
 from placecue.held_out import HeldOut
-from placecue.integration import integrated
+from placecue.integration import integrated, unfitted
 from placecue.integrator import Integrator
 from placecue.learning.samples import Samples
 from placecue.progress import track
@@ -93,7 +93,7 @@ def judged_by_integrators(
     judged = []
     splits = _splits(held_out.folds, held_out.labels, held_out.stamps, held_out.groups)
     for rows, unseen in track(splits, "held-out decisions"):
-        copy = integrator.unfitted()
+        copy = unfitted(integrator)
         call(copy, "train", held_out.take(rows))
         judged.append(judged_by(copy, held_out.take(unseen), skip=skip))
     return judged
@@ -112,8 +112,8 @@ def _splits(
     folds: FoldScheme, *samples: NDArray[np.str_] | NDArray[np.int64] | None
 ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     try:
-        return list(folds.split(*samples))  # type: ignore[arg-type]
+        return cut(folds, *samples)  # type: ignore[arg-type]
     except DataError as error:
         # A scheme may need what is not here: by_log needs two logs, and held out was one.
         log.warning(f"held-out decisions are cut into interleaved chunks instead: {error}")
-        return list(InterleavedChunks(folds.n_folds).split(*samples))  # type: ignore[arg-type]
+        return cut(InterleavedChunks(folds.n_folds), *samples)  # type: ignore[arg-type]

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import clone
 
 from placecue import contracts
 from placecue.cue import Augmentation, Cue
 from placecue.errors import ContractError, DataError, UnusableObservation, UsageError
+from placecue.estimator import clone
 from placecue.extraction import BATCH, Extracted, Extraction, batched, joined
 from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
-from placecue.guard import step
+from placecue.guard import call, step
 from placecue.observation import Observation, Origin, Part
 from placecue.progress import track
 from placecue.provenance import provenance
@@ -179,7 +179,7 @@ class Samples:
         if len(cue.augmentations()) > 1:
             told_apart(cue, next(iter(reread)))
         recorded = gather(cue, reread, skip=self.skip)
-        altered = (partial(augmented, cue, augment) for augment in cue.augmentations())
+        altered = (partial(augmented, cue, augment) for augment in augmentations_of(cue))
         return [recorded, *(gather(cue, map(each, reread), skip=self.skip) for each in altered)]
 
     def _seen(self, cue: Cue, views: Sequence[FeatureBatch]) -> TrainingSet:
@@ -207,6 +207,12 @@ class Reread:
     def __iter__(self) -> Iterator[Observation]:
         wanted = set(self.positions.tolist())
         return (each for number, each in enumerate(self.observations) if number in wanted)
+
+
+def augmentations_of(cue: Cue) -> Sequence[Augmentation]:
+    """Return the augmentations of a cue, checked."""
+    made: Sequence[Augmentation] = call(cue, "augmentations", check=contracts.augmentations)
+    return made
 
 
 def augmented(cue: Cue, augment: Augmentation, observation: Observation) -> Observation:
@@ -244,7 +250,7 @@ class _Gathered:
 
     def __init__(self, cue: Cue, extraction: Extraction, skip: bool) -> None:
         self.cue, self.extraction, self.skip = cue, extraction, skip
-        self.views: list[Augmentation | None] = [None, *cue.augmentations()]
+        self.views: list[Augmentation | None] = [None, *augmentations_of(cue)]
         self.kept: list[list[FeatureBatch]] = [[] for _ in self.views]
 
     def extract(

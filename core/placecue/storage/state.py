@@ -22,7 +22,8 @@ from placecue.components.build import build, describe
 from placecue.components.hooks import Kind
 from placecue.components.pipelines import components_in
 from placecue.components.registry import Registry
-from placecue.errors import DataError, UsageError
+from placecue.errors import FOREIGN, DataError, UsageError, told
+from placecue.provenance import provenance
 from placecue.scores import Layout
 from placecue.storage.arrays import KINDS, from_parts, parts_of
 
@@ -70,10 +71,16 @@ class Encoder:
             or has learned what a model folder cannot hold.
         """
         _check_names(component, where)
-        return {
-            name: self.encode(value, f"{where}.{name}")
-            for name, value in sorted(learned(component).items())
-        }
+        try:
+            return {
+                name: self.encode(value, f"{where}.{name}")
+                for name, value in sorted(learned(component).items())
+            }
+        except RecursionError as error:
+            raise UsageError(
+                f"{where} has learned what holds itself, or is nested too deep for a model folder: "
+                "keep learned state as lists and mappings of a few levels"
+            ) from error
 
     def encode(self, value: Any, where: str) -> Any:
         """Return one value as JSON.
@@ -173,10 +180,9 @@ class Decoder:
         if check is not None:
             try:
                 check()
-            except Exception as error:  # it is a plugin's
-                what = type(component).__name__
+            except FOREIGN as error:  # it is a plugin's
                 raise DataError(
-                    f"what {what} has learned does not fit together: {error}"
+                    f"what {provenance(component)} has learned does not fit together: {told(error)}"
                 ) from error
 
     def decode(self, value: Any) -> Any:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from math import isfinite, pi
 
 import numpy as np
-from sklearn.base import clone
 
 from placecue import contracts
 from placecue.accumulator import Accumulator, AreaUpdate, Boundary
 from placecue.belief import Belief
 from placecue.errors import DataError, UsageError
+from placecue.estimator import clone
 from placecue.guard import call
 from placecue.observation import Observation, Pose2D
 from placecue.scores import Layout

@@ -7,10 +7,10 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import clone
 
 from placecue.classifier import Classifier
 from placecue.errors import UsageError, choices
+from placecue.estimator import clone
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, Rows
 from placecue.progress import track
@@ -121,8 +121,8 @@ class GridSearch(Classifier):
         return list(settings(self.search))
 
     def _with(self, point: Mapping[str, Any]) -> Classifier:
-        copy: Classifier = clone(self.classifier).set_params(**point)
-        return copy
+        assert self.classifier is not None  # or there are no points
+        return clone(self.classifier).set_params(**point)
 
     def _predicted(
         self,

@@ -10,16 +10,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import clone
 
 from placecue import contracts
 from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
-from placecue.features import FeatureBatch, FeatureKind, kind_of, take
+from placecue.estimator import clone
+from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
 from placecue.folds import Rows
 from placecue.grams import current
 from placecue.guard import call
 from placecue.kernel import Gram, Kernel
+from placecue.provenance import provenance
 from placecue.scaling import Scaling
 from placecue_classifiers.grid import Setting
 
@@ -80,7 +81,7 @@ class Prepared:
             features = transformed(fitted, features)
         kernel = clone(kernel)
         try:
-            kernel.check(features)
+            call(kernel, "check", features)
         except UsageError as error:
             raise WrongKind(str(error)) from error
         call(kernel, "fit", _of_rows(features, rows))
@@ -97,8 +98,11 @@ class Prepared:
             If a value is not finite.
         """
         kernel = self.with_light(light)
-        gram = call(kernel, "from_shared", self.shared) if self.only is None else self.only
-        return _finite(gram, kernel)
+        if self.only is not None:
+            return _finite(self.only, kernel)
+        n = n_samples(self.features)
+        check = partial(contracts.scaled, shape=(n, n))
+        return _finite(call(kernel, "from_shared", self.shared, check=check), kernel)
 
     def with_light(self, light: Setting | None = None) -> Kernel:
         """Return the fitted kernel, or a copy of it with light parameters as named in a grid."""
@@ -147,9 +151,11 @@ def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling |
 def transformed(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]:
     """Return dense features scaled, shape (n, d), checked."""
     dense = np.asarray(features)
-    scaled: NDArray[np.float64] = call(
-        scaling, "transform", dense, check=partial(contracts.scaled, shape=dense.shape)
-    )
+
+    def wrong(made: object) -> str | None:
+        return contracts.scaled(made, dense.shape) or contracts.finite(made)
+
+    scaled: NDArray[np.float64] = call(scaling, "transform", dense, check=wrong)
     return scaled
 
 
@@ -157,7 +163,7 @@ def learns(kernel: Kernel, features: FeatureBatch) -> bool:
     """Tell whether a kernel learns anything from samples such as these."""
     if type(kernel).fit is Kernel.fit:
         return False
-    kernel.check(features)
+    call(kernel, "check", features)
     copy = clone(kernel)
     call(copy, "fit", features)
     return _has_learned(copy)
@@ -177,7 +183,7 @@ def _has_learned(kernel: Kernel) -> bool:
 def _finite(gram: Gram, kernel: Kernel) -> Gram:
     if not np.isfinite(gram).all():
         raise DataError(
-            f"kernel {type(kernel).__name__} of these features is not finite: they are too large; "
+            f"{provenance(kernel)} of these features is not finite: they are too large; "
             "scale them, for example with scaling=standard"
         )
     return np.ascontiguousarray(gram)

@@ -8,13 +8,14 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import clone
 
 from placecue.classifier import Classifier
-from placecue.errors import UsageError, choices
+from placecue.errors import UsageError, choices, described
+from placecue.estimator import clone
 from placecue.features import FeatureBatch, FeatureKind, take
 from placecue.folds import FoldScheme, Rows
 from placecue.grams import Known, current
+from placecue.guard import step
 from placecue.kernel import Gram, Kernel
 from placecue.progress import track
 from placecue.scaling import Scaling
@@ -302,7 +303,7 @@ class SVM(Classifier):
 
     def _grid(self) -> Grid:
         assert self.kernel is not None
-        light = self.kernel.light_parameters
+        light = step(self.kernel, "light_parameters", _light_parameters, self.kernel, check=_names)
         names = [*OF_MACHINES, "scaling", *(name for name in light if name == "gamma")]
         names += [name for name in self.get_params() if name.startswith("kernel__")]
         return Grid.of(self.search or {}, names, light)
@@ -349,3 +350,13 @@ def _one_training_part(folds: Sequence[Folds]) -> Rows:
             "times: choose folds={plugin: by_log, only_last: true}"
         )
     return splits[0][0]
+
+
+def _light_parameters(kernel: Kernel) -> tuple[str, ...]:
+    return kernel.light_parameters
+
+
+def _names(made: object) -> str | None:
+    """Check that a kernel names its light parameters."""
+    right = isinstance(made, (tuple, list)) and all(isinstance(name, str) for name in made)
+    return None if right else f"is {described(made)}, not a tuple of names"

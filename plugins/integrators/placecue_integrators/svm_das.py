@@ -6,10 +6,10 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import clone
 
 from placecue.classifier import Classifier
 from placecue.errors import DataError, UsageError
+from placecue.estimator import clone
 from placecue.evidence import Evidence
 from placecue.folds import Rows
 from placecue.held_out import HeldOut

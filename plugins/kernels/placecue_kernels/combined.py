@@ -8,9 +8,9 @@ from functools import reduce
 from typing import Any, Self
 
 import numpy as np
-from sklearn.base import clone
 
 from placecue.errors import UsageError, choices
+from placecue.estimator import clone
 from placecue.features import FeatureBatch, FeatureKind
 from placecue.kernel import DistanceKernel, Gram, Kernel
 

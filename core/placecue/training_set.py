@@ -69,9 +69,7 @@ class TrainingSet:
         """
         scheme = self.folds if folds is None else folds
         samples = np.asarray(self.labels), self.stamps, self.groups
-        if self.part:
-            scheme = scheme.of_part(*samples)
-        return list(scheme.split(*samples))
+        return scheme.split_part(*samples) if self.part else list(scheme.split(*samples))
 
     def take(self, rows: Rows) -> TrainingSet:
         """Return the set of the given samples; their cue has learned from what it had."""

@@ -101,22 +101,21 @@ class FoldScheme(Estimator, ABC):
                 f"{type(self).__name__}; give more samples, or choose other folds"
             )
 
-    def of_part(
+    def split_part(
         self,
         labels: ArrayLike,
         stamps: ArrayLike | None = None,
         groups: ArrayLike | None = None,
-    ) -> FoldScheme:
-        """Return how a part of some samples, such as the rest of a fold, is cut further.
+    ) -> list[tuple[Rows, Rows]]:
+        """Return the folds of a part of some samples, such as the rest of a fold.
 
-        Like this where that is possible, else into interleaved chunks: of two logs, one is left
+        As :meth:`split` where that is possible, else interleaved chunks: of two logs, one is left
         in each fold of ``by_log``.
         """
         try:
-            next(self.split(labels, stamps, groups))
+            return list(self.split(labels, stamps, groups))
         except DataError:
-            return InterleavedChunks(self.n_folds)
-        return self
+            return list(InterleavedChunks(self.n_folds).split(labels, stamps, groups))
 
 
 def cut(

@@ -69,9 +69,15 @@ class KeptGrams(Grams):
     Machines trained on the same samples with the same kernel (other multi-class extensions, say)
     then share one block against each batch that is asked about, whichever of the samples are
     their support vectors; settings of light parameters share what these leave as it is.
+
+    Parameters
+    ----------
+    most : int
+        How many blocks are kept; the one that was asked for longest ago goes first.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, most: int = 100) -> None:
+        self.most = most
         self._batches: dict[str, FeatureBatch] = {}
         self._shared: dict[tuple[str, str, str], Any] = {}
         self._last: tuple[tuple[str, str, str], Gram] | None = None
@@ -85,9 +91,12 @@ class KeptGrams(Grams):
     def shared(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
         """Return what the kernel shares; computed once for samples and kernel."""
         key = (_without_light(kernel), _digest(a), "" if b is None else _digest(b))
-        if key not in self._shared:
-            self._shared[key] = super().shared(kernel, a, b)
-        return self._shared[key]
+        # What was asked for last stands last.
+        found = self._shared.pop(key) if key in self._shared else super().shared(kernel, a, b)
+        self._shared[key] = found
+        while len(self._shared) > self.most:
+            del self._shared[next(iter(self._shared))]
+        return found
 
     def gram(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the kernel between ``a`` and ``b``, shape (n, m); the last one is kept."""

@@ -345,7 +345,7 @@ class Pipeline:
     def _complete(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
         """Return the samples with scores of every cue; None where there is none."""
         cut = samples.labels, samples.stamps, samples.groups
-        held_out = HeldOut(evidence, *cut, self.folds.of_part(*cut), samples.part)
+        held_out = HeldOut(evidence, *cut, self.folds, part=True)
         known = np.logical_and.reduce([evidence.available(cue) for cue in evidence.cues])
         if not known.any():
             return None

@@ -117,11 +117,6 @@ def test_scores_may_have_gaps_where_that_is_allowed() -> None:
     assert contracts.scores(endless, 2, gaps=True) == "returned infinite scores"
 
 
-def test_itself() -> None:
-    assert contracts.itself(SETS, SETS) is None
-    assert contracts.itself(None, SETS) == "returned None, not the component itself"
-
-
 WRONG = [
     ("features", ([1.0],), "returned a list, not a vector, a CSR row or descriptors"),
     ("features", (None,), "returned None, not a vector"),
@@ -242,6 +237,6 @@ def test_what_fits_64_bits() -> None:
 
 
 def test_every_check_has_been_seen_to_pass_and_to_fail() -> None:
-    public = set(contracts.__all__) - {"itself", "fits", "image"}
+    public = set(contracts.__all__) - {"fits", "image"}
     assert {name for name, _ in RIGHT} == public
     assert {name for name, _, _ in WRONG} == public

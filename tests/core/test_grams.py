@@ -98,6 +98,17 @@ def test_a_machine_of_elsewhere_is_asked_by_its_support_vectors(labels: np.ndarr
     assert Counted.made == [(10, len(svm.support_))]
 
 
+def test_no_more_blocks_are_kept_than_asked_for(labels: np.ndarray) -> None:
+    svm = SVM(Counted(1.0)).fit(histograms(60, 0), labels)
+    asked = [histograms(10 + number, number) for number in range(4)]
+    with keeping(KeptGrams(most=2)):
+        Counted.made.clear()
+        for number in (0, 1, 0, 2, 0, 1):
+            svm.scores(asked[number])
+    # Batch 0 is asked for again before it is the oldest; 1 had to go for 2.
+    assert [n for n, _ in Counted.made] == [10, 11, 12, 11]
+
+
 def test_nobody_writes_into_what_is_kept(labels: np.ndarray) -> None:
     first = histograms(60, 0)
     with keeping(KeptGrams()) as grams:

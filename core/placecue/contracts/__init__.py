@@ -21,7 +21,6 @@ from placecue.contracts.observations import (
     text,
 )
 from placecue.contracts.space import area_update, crossing, pose, semantic_map
-from placecue.errors import described
 from placecue.folds import promised as folds
 
 __all__ = [
@@ -37,7 +36,6 @@ __all__ = [
     "folds",
     "gram",
     "image",
-    "itself",
     "metadata",
     "observation",
     "pose",
@@ -49,8 +47,3 @@ __all__ = [
     "text",
     "trained",
 ]
-
-
-def itself(made: object, component: object) -> str | None:
-    """Check what ``fit`` returns: the component."""
-    return None if made is component else f"returned {described(made)}, not the component itself"

@@ -101,36 +101,37 @@ class FoldScheme(Estimator, ABC):
                 f"{type(self).__name__}; give more samples, or choose other folds"
             )
 
-    def split_part(
-        self,
-        labels: ArrayLike,
-        stamps: ArrayLike | None = None,
-        groups: ArrayLike | None = None,
-    ) -> list[tuple[Rows, Rows]]:
-        """Return the folds of a part of some samples, such as the rest of a fold.
-
-        As :meth:`split` where that is possible, else interleaved chunks: of two logs, one is left
-        in each fold of ``by_log``.
-        """
-        try:
-            return list(self.split(labels, stamps, groups))
-        except DataError:
-            return list(InterleavedChunks(self.n_folds).split(labels, stamps, groups))
-
 
 def cut(
     scheme: FoldScheme,
     labels: ArrayLike,
     stamps: ArrayLike | None = None,
     groups: ArrayLike | None = None,
+    *,
+    part: bool = False,
 ) -> list[tuple[Rows, Rows]]:
-    """Return what :meth:`FoldScheme.split` of a scheme yields, checked."""
+    """Return what :meth:`FoldScheme.split` of a scheme yields, checked.
+
+    Parameters
+    ----------
+    scheme : FoldScheme
+    labels, stamps, groups
+        Of n samples; see :meth:`FoldScheme.assign`.
+    part : bool
+        Whether they are what is left of some samples, in a fold, say. Where the scheme cannot cut
+        that, it is cut into interleaved chunks: of two logs, each fold of ``by_log`` leaves one.
+    """
 
     def split() -> list[Any]:
         return list(scheme.split(labels, stamps, groups))
 
     check = partial(parted, n=len(np.asarray(labels)))
-    splits: list[tuple[Rows, Rows]] = step(scheme, "split", split, check=check)
+    try:
+        splits: list[tuple[Rows, Rows]] = step(scheme, "split", split, check=check)
+    except DataError:
+        if not part:
+            raise
+        return list(InterleavedChunks(scheme.n_folds).split(labels, stamps, groups))
     return splits
 
 

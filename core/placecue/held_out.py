@@ -73,9 +73,4 @@ class HeldOut:
     def split(self) -> list[tuple[Rows, Rows]]:
         """Return (fitting rows, held-out rows) for each fold."""
         samples = self.labels, self.stamps, self.groups
-<<<<<<< HEAD
-        folds = self.folds.of_part(*samples) if self.part else self.folds
-        return cut(folds, *samples)
-=======
-        return self.folds.split_part(*samples) if self.part else list(self.folds.split(*samples))
->>>>>>> break1
+        return cut(self.folds, *samples, part=self.part)

@@ -69,13 +69,7 @@ class TrainingSet:
         """
         scheme = self.folds if folds is None else folds
         samples = np.asarray(self.labels), self.stamps, self.groups
-<<<<<<< HEAD
-        if self.part:
-            scheme = scheme.of_part(*samples)
-        return cut(scheme, *samples)
-=======
-        return scheme.split_part(*samples) if self.part else list(scheme.split(*samples))
->>>>>>> break1
+        return cut(scheme, *samples, part=self.part)
 
     def take(self, rows: Rows) -> TrainingSet:
         """Return the set of the given samples; their cue has learned from what it had."""

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         UnusableObservation,
         UsageError,
         choices,
+        described,
     )
     from placecue.estimator import Estimator, clone
     from placecue.estimators import allow_estimators
@@ -39,12 +40,13 @@ if TYPE_CHECKING:
         FeatureKind,
         Features,
         kind_of,
+        n_samples,
         stack,
         take,
     )
     from placecue.folds import Blocks, ByLog, FoldScheme, InterleavedChunks, Rows, Shuffled
     from placecue.grams import Grams, KeptGrams, Known, current, keeping
-    from placecue.guard import call
+    from placecue.guard import call, step
     from placecue.held_out import HeldOut
     from placecue.integrator import Integrator
     from placecue.interrupting import interruptible
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
         Part,
         Pose2D,
     )
+    from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
     from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
@@ -171,13 +174,17 @@ __all__ = [
     "concatenate",
     "contracts",
     "current",
+    "described",
     "estimators",
     "hookimpl",
     "interruptible",
     "keeping",
     "kind_of",
+    "n_samples",
+    "provenance",
     "read_geojson",
     "stack",
+    "step",
     "take",
     "track",
     "virtual_scan",
@@ -202,6 +209,7 @@ _MODULES = {
         "UnusableObservation",
         "UsageError",
         "choices",
+        "described",
     ),
     "estimator": ("Estimator", "clone"),
     "estimators": ("allow_estimators",),
@@ -214,12 +222,13 @@ _MODULES = {
         "FeatureKind",
         "Features",
         "kind_of",
+        "n_samples",
         "stack",
         "take",
     ),
     "folds": ("Blocks", "ByLog", "FoldScheme", "InterleavedChunks", "Rows", "Shuffled"),
     "grams": ("Grams", "KeptGrams", "Known", "current", "keeping"),
-    "guard": ("call",),
+    "guard": ("call", "step"),
     "held_out": ("HeldOut",),
     "integrator": ("Integrator",),
     "interrupting": ("interruptible",),
@@ -232,6 +241,7 @@ _MODULES = {
     "observation": ("PARTS", "EncodedImage", "Image", "LaserScan", "Observation", "Part", "Pose2D"),
     "pipeline": ("Pipeline",),
     "progress": ("track",),
+    "ownership": ("provenance",),
     "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
     "scores": (
         "Decision",

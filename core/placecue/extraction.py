@@ -18,7 +18,7 @@ from placecue.features import FeatureBatch, Features, join, kind_of, spoilt_rows
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
-from placecue.provenance import provenance
+from placecue.ownership import provenance
 
 AnyCue = TypeVar("AnyCue", bound=Cue)
 T = TypeVar("T")

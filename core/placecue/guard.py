@@ -11,7 +11,7 @@ from operator import methodcaller
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from placecue.errors import ComponentError, ContractError, Interrupted, PlacecueError, told
-from placecue.provenance import provenance
+from placecue.ownership import provenance
 
 if TYPE_CHECKING:
     from placecue.observation import Observation

@@ -18,7 +18,7 @@ from placecue.components.manager import load_plugins
 from placecue.components.registry import Registry
 from placecue.errors import ComponentError, ContractError, Interrupted, PlacecueError
 from placecue.guard import call, step
-from placecue.provenance import INTERFACES, provenance
+from placecue.ownership import INTERFACES, provenance
 from placecue_classifiers.svm import SVM
 from toys import Beams, Walk
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from placecue.components.hooks import KINDS, Component, Kind
 from placecue.errors import FOREIGN, PluginError, UsageError, choices, told
-from placecue.provenance import remember
+from placecue.ownership import remember
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from placecue.errors import UsageError
 from placecue.evaluation.pictures import save_picture
-from placecue.provenance import provenance
+from placecue.ownership import provenance
 
 SCORE = "balanced_accuracy"
 FRAME = "#D55E00"

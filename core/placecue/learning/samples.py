@@ -20,8 +20,8 @@ from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.guard import call, step
 from placecue.observation import Observation, Origin, Part
+from placecue.ownership import provenance
 from placecue.progress import track
-from placecue.provenance import provenance
 from placecue.source import guarded
 from placecue.training_set import TrainingSet
 
@@ -176,7 +176,7 @@ class Samples:
     def _views(self, cue: Cue) -> list[Extracted]:
         """Return what a cue makes of the samples as recorded, and of their augmented copies."""
         gather, reread = self.extraction.gather, self.reread()
-        if len(cue.augmentations()) > 1:
+        if len(augmentations_of(cue)) > 1:
             told_apart(cue, next(iter(reread)))
         recorded = gather(cue, reread, skip=self.skip)
         altered = (partial(augmented, cue, augment) for augment in augmentations_of(cue))

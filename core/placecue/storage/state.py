@@ -23,7 +23,7 @@ from placecue.components.hooks import Kind
 from placecue.components.pipelines import components_in
 from placecue.components.registry import Registry
 from placecue.errors import FOREIGN, DataError, UsageError, told
-from placecue.provenance import provenance
+from placecue.ownership import provenance
 from placecue.scores import Layout
 from placecue.storage.arrays import KINDS, from_parts, parts_of
 

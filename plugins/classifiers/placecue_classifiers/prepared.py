@@ -20,7 +20,7 @@ from placecue.folds import Rows
 from placecue.grams import current
 from placecue.guard import call
 from placecue.kernel import Gram, Kernel
-from placecue.provenance import provenance
+from placecue.ownership import provenance
 from placecue.scaling import Scaling
 from placecue_classifiers.grid import Setting
 

@@ -137,7 +137,7 @@ def test_a_component_loaded_by_name_has_its_name_and_distribution() -> None:
         with pytest.raises(ComponentError, match=r"^cue 'doing' \(depth-cues 1\.2\): extract"):
             call(loaded(MISDEEDS["leaves"][0]), "extract", None)
     finally:
-        from placecue import provenance as module
+        from placecue import ownership as module
 
         del module._REMEMBERED[loaded]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import (
@@ -11,6 +12,7 @@ from importlib.metadata import (
     entry_points,
     packages_distributions,
 )
+from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -89,8 +91,22 @@ def _owner(package: str) -> Distribution | None:
     for plugin in entry_points(group="placecue"):
         if plugin.module.partition(".")[0] == package and plugin.dist is not None:
             return plugin.dist
-    names = packages_distributions().get(package, [package])
-    try:
-        return distribution(names[0])
-    except (PackageNotFoundError, ValueError):
-        return None
+    for name in packages_distributions().get(package, [package]):
+        try:
+            found = distribution(name)
+        except (PackageNotFoundError, ValueError):
+            continue
+        if _holds(found, package):
+            return found
+    return None
+
+
+def _holds(found: Distribution, package: str) -> bool:
+    """Tell whether a package that is imported comes from a distribution that has one so called.
+
+    Some distributions bring their ``tests`` along.
+    """
+    module = sys.modules.get(package)
+    places = [*getattr(module, "__path__", ())] or [getattr(module, "__file__", None) or ""]
+    root = Path(str(found.locate_file("")))
+    return any(Path(place).parent == root for place in places)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import pickle
@@ -120,8 +121,11 @@ def test_every_classifier_can_be_named() -> None:
     for name in names:
         given: dict[str, Any] = {}
         kind = {each: kind for kind, each in EVERY}[name]
-        if "estimator" in kind._get_param_names():
+        parameters = inspect.signature(kind).parameters
+        if "estimator" in parameters:
             given["estimator"] = TREE
+        elif "base_estimator" in parameters:  # ClassifierChain before scikit-learn 1.7
+            given["base_estimator"] = TREE
         if "estimators" in kind._get_param_names():
             given["estimators"] = [["tree", TREE]]
         with warnings.catch_warnings():

@@ -271,8 +271,9 @@ def test_mirrored_scan(view: int, seed: int) -> None:
     a, b = features(lambda _: base, angles), features(lambda _: mirrored, angles)
     for name in NAMES:
         sign = -1 if name == "hu(7)" else 1
-        # Lines are split from the first beam on, so the ends of some move by a beam or two.
-        slack = 0.03 if name == "line_share" else 1e-9
+        # Lines are split from the first beam on, so the ends of some move by a beam or two, and a
+        # line that is just long enough one way may fall short the other way.
+        slack = 0.06 if name == "line_share" else 1e-9
         assert b[name] == pytest.approx(sign * a[name], rel=1e-6, abs=slack), name
 
 

@@ -59,7 +59,11 @@ def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> Path:
 def save_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Write an .npz file without pickle and without compression."""
     with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, **cast(Any, arrays))
+        # NumPy before 2.2 would take allow_pickle=False for an array of that name.
+        spoilt = [name for name, array in arrays.items() if array.dtype.hasobject]
+        if spoilt:
+            raise ValueError(f"array {spoilt[0]} holds objects, which only pickle could write")
+        np.savez(file, **cast(Any, arrays))
 
 
 def read_arrays(path: Path, names: Collection[str] | None = None) -> Parts:

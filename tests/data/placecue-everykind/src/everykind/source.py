@@ -62,4 +62,5 @@ def ranges(
     with np.errstate(divide="ignore"):
         ends = np.abs(length / 2 / np.cos(ANGLES + heading))
         sides = np.abs(width / 2 / np.sin(ANGLES + heading))
-    return np.minimum(ends, sides) + 0.01 * generator.normal(size=ANGLES.size)
+    seen = np.minimum(ends, sides) + 0.01 * generator.normal(size=ANGLES.size)
+    return np.asarray(seen, dtype=np.float64)

@@ -74,7 +74,7 @@ def provenance(component: object) -> Provenance:
     known = _REMEMBERED.get(of_type)
     if known is not None:
         return known
-    owner = _owner(of_type.__module__.partition(".")[0])
+    owner = _owner(of_type.__module__)
     where = (of_type.__module__, "") if owner is None else (owner.name, owner.version)
     return Provenance(_kind(of_type), of_type.__qualname__, *where)
 
@@ -85,8 +85,9 @@ def _kind(of_type: type) -> str:
 
 
 @cache
-def _owner(package: str) -> Distribution | None:
-    """Return the distribution of a top-level package, or None."""
+def _owner(module: str) -> Distribution | None:
+    """Return the distribution of a module, or None."""
+    package = module.partition(".")[0]
     # An editable install lists no packages, but its entry points name them.
     for plugin in entry_points(group="placecue"):
         if plugin.module.partition(".")[0] == package and plugin.dist is not None:
@@ -96,17 +97,16 @@ def _owner(package: str) -> Distribution | None:
             found = distribution(name)
         except (PackageNotFoundError, ValueError):
             continue
-        if _holds(found, package):
+        if _holds(found, module):
             return found
     return None
 
 
-def _holds(found: Distribution, package: str) -> bool:
-    """Tell whether a package that is imported comes from a distribution that has one so called.
+def _holds(found: Distribution, module: str) -> bool:
+    """Tell whether a module lies where a distribution with a package so called does.
 
     Some distributions bring their ``tests`` along.
     """
-    module = sys.modules.get(package)
-    places = [*getattr(module, "__path__", ())] or [getattr(module, "__file__", None) or ""]
+    file = getattr(sys.modules.get(module), "__file__", None)
     root = Path(str(found.locate_file("")))
-    return any(Path(place).parent == root for place in places)
+    return file is not None and Path(file).is_relative_to(root)

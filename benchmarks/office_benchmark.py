@@ -29,7 +29,8 @@ from sklearn.metrics import balanced_accuracy_score, recall_score
 
 from placecue.cue import Cue
 from placecue.evidence import StoredEvidence
-from placecue.learning.samples import Samples, collect
+from placecue.learning.collecting import collect
+from placecue.learning.samples import Samples
 from placecue.scaling import QuantileScaling
 from placecue.scores import Scores
 from placecue_classifiers.svm import SVM

@@ -11,7 +11,7 @@ import numpy as np
 from sklearn.metrics import balanced_accuracy_score, recall_score
 
 from placecue.evidence import StoredEvidence
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.observation import Observation
 from placecue.pipeline import Pipeline
 from placecue.scaling import QuantileScaling

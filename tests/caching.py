@@ -11,7 +11,7 @@ from scipy import sparse
 import toys
 from placecue import Cue, Observation, UnusableObservation
 from placecue.features import DescriptorSets
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.storage.feature_cache import FeatureCache
 from toys import Brightness, Walk
 

@@ -28,6 +28,7 @@ from placecue.guard import call
 from placecue.held_out import HeldOut
 from placecue.integration import integrated, unfitted
 from placecue.integrator import Integrator, OnlyCue
+from placecue.learning.collecting import collect
 from placecue.learning.judging import (
     Judged,
     judged_by,
@@ -35,7 +36,7 @@ from placecue.learning.judging import (
     judged_by_integrators,
 )
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
-from placecue.learning.samples import Samples, collect
+from placecue.learning.samples import Samples
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.scores import Probabilities

@@ -14,7 +14,7 @@ import pytest
 
 import toys
 from placecue import Component, Observation, Pipeline, UnusableObservation
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.storage.feature_cache import FeatureCache
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS

@@ -17,7 +17,7 @@ from placecue import (
     UsageError,
 )
 from placecue.cue_model import CueModel
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue_classifiers.svm import SVM
 from placecue_kernels.rbf import RBF
 from toys import PLACES, SECOND, Beams, Brightness, Walk, pipeline

@@ -23,7 +23,7 @@ from placecue import (
 from placecue.classifier import Classifier
 from placecue.cue_model import CueModel
 from placecue.errors import ContractError
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.scaling import RangeScaling
 from placecue_classifiers.svm import SVM
 from placecue_cues.laser import LaserGeometry

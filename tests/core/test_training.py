@@ -13,7 +13,7 @@ from caching import CALLS, REGISTRY, Learning
 from placecue import Blocks, Cue, FoldScheme, Observation, Pipeline
 from placecue.classifier import Classifier
 from placecue.features import take
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.storage.feature_cache import FeatureCache
 from placecue.training_set import TrainingSet
 from placecue_classifiers.grid_search import GridSearch

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from caching import CALLS, REGISTRY, SAMPLES, Counting, extracted, same, shards
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.storage.cache_folder import contents, trim
 from placecue.storage.feature_cache import FeatureCache
 from toys import Walk

@@ -14,7 +14,7 @@ import pytest
 import toys
 from caching import CALLS, REGISTRY, SAMPLES, Counting, Learning, Picky, extracted, same, shards
 from placecue import Cue, Observation, UnusableObservation
-from placecue.learning.samples import collect
+from placecue.learning.collecting import collect
 from placecue.storage.feature_cache import FeatureCache
 from toys import Walk
 

@@ -76,12 +76,13 @@ def provenance(component: object) -> Provenance:
         return known
     owner = _owner(of_type.__module__)
     where = (of_type.__module__, "") if owner is None else (owner.name, owner.version)
-    return Provenance(_kind(of_type), of_type.__qualname__, *where)
+    return Provenance(kind_of_class(of_type) or "component", of_type.__qualname__, *where)
 
 
-def _kind(of_type: type) -> str:
-    bases = (f"{base.__module__}.{base.__qualname__}" for base in of_type.__mro__)
-    return next((INTERFACES[base] for base in bases if base in INTERFACES), "component")
+def kind_of_class(cls: Any) -> str | None:
+    """Return the kind of a class by the interface that it is derived from; else None."""
+    bases = (f"{base.__module__}.{base.__qualname__}" for base in getattr(cls, "__mro__", ()))
+    return next((INTERFACES[base] for base in bases if base in INTERFACES), None)
 
 
 @cache

@@ -3,24 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, cast, get_args, get_origin, get_type_hints
 
 from placecue.components.hooks import KINDS, Kind
-
-#: The class that every component of a kind is derived from, as ``module:class``.
-INTERFACES: Mapping[str, Kind] = {
-    "placecue.cue:Cue": "cue",
-    "placecue.kernel:Kernel": "kernel",
-    "placecue.classifier:Classifier": "classifier",
-    "placecue.integrator:Integrator": "integrator",
-    "placecue.accumulator:Accumulator": "accumulator",
-    "placecue.accumulator:Boundary": "boundary",
-    "placecue.source:Source": "source",
-    "placecue.folds:FoldScheme": "folds",
-    "placecue.scaling:Scaling": "scaling",
-    "placecue.scores:Layout": "layout",
-    "placecue.logs.adapters.base:Adapter": "adapter",
-}
+from placecue.ownership import kind_of_class
 
 
 def kind_named(parameter: str) -> Kind | None:
@@ -28,15 +14,6 @@ def kind_named(parameter: str) -> Kind | None:
     for kind in KINDS:
         plural = f"{kind[:-1]}ies" if kind.endswith("y") else f"{kind}s"
         if parameter in (kind, plural):
-            return kind
-    return None
-
-
-def kind_of_class(cls: Any) -> Kind | None:
-    """Return the kind of a class by the interface that it is derived from; else None."""
-    for base in getattr(cls, "__mro__", ()):
-        kind = INTERFACES.get(f"{base.__module__}:{base.__qualname__}")
-        if kind is not None:
             return kind
     return None
 
@@ -51,7 +28,8 @@ def hints_of(factory: Any) -> dict[str, Any]:
 
 def kinds_in(hint: Any) -> set[Kind]:
     """Return the kinds of component that an annotation names, at any depth."""
-    return {kind for leaf in _leaves(hint) if (kind := kind_of_class(leaf)) is not None}
+    found = (kind_of_class(leaf) for leaf in _leaves(hint))
+    return {cast(Kind, kind) for kind in found if kind is not None}
 
 
 def admits_text(hint: Any) -> bool:

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin
 
-from placecue.components.kinds import hints_of, kind_of_class
+from placecue.components.kinds import hints_of
+from placecue.ownership import kind_of_class
 
 #: Annotations that can be judged, with words for one of them and for many.
 PLAIN: dict[Any, tuple[str, str]] = {

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from placecue.accumulator import Accumulator, AreaUpdate, Boundary
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
-    from placecue.checks import check_choice, check_number, check_whole
+    from placecue.checks import check_choice, check_flag, check_number, check_whole
     from placecue.classifier import Classifier, UnfitSamples, WrongKind, wrong_kind
     from placecue.components.hooks import Component, Kind, hookimpl
     from placecue.cue import Augmentation, Cue
@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from placecue.pipeline import Pipeline
     from placecue.progress import track
     from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+    from placecue.schemes import Schemes, sets_of
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -149,6 +150,7 @@ __all__ = [
     "Role",
     "Rows",
     "Scaling",
+    "Schemes",
     "Scores",
     "SemanticMap",
     "Shuffled",
@@ -167,6 +169,7 @@ __all__ = [
     "allow_estimators",
     "call",
     "check_choice",
+    "check_flag",
     "check_number",
     "check_whole",
     "choices",
@@ -182,6 +185,7 @@ __all__ = [
     "kind_of",
     "n_samples",
     "provenance",
+    "sets_of",
     "read_geojson",
     "stack",
     "step",
@@ -196,7 +200,7 @@ _MODULES = {
     "accumulator": ("Accumulator", "AreaUpdate", "Boundary"),
     "belief": ("Belief",),
     "camera": ("PinholeCamera",),
-    "checks": ("check_choice", "check_number", "check_whole"),
+    "checks": ("check_choice", "check_flag", "check_number", "check_whole"),
     "classifier": ("Classifier", "UnfitSamples", "WrongKind", "wrong_kind"),
     "components.hooks": ("Component", "Kind", "hookimpl"),
     "cue": ("Augmentation", "Cue"),
@@ -243,6 +247,7 @@ _MODULES = {
     "progress": ("track",),
     "ownership": ("provenance",),
     "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
+    "schemes": ("Schemes", "sets_of"),
     "scores": (
         "Decision",
         "DecisionList",

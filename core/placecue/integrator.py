@@ -23,9 +23,16 @@ class Integrator(Estimator, ABC):
     ----------
     version : str
         Changes when the results do, so that a model does not meet another integrator unawares.
+    gaps : bool
+        Whether it copes itself where some samples lack a cue. If not, a copy of it is fitted for
+        each set of cues, and sees only samples that have them all; see :class:`placecue.Schemes`.
+    wants_costs : bool
+        Whether it is to be told what each cue costs (``held_out.costs``).
     """
 
     version: ClassVar[str] = "1"
+    gaps: ClassVar[bool] = False
+    wants_costs: ClassVar[bool] = False
 
     @abstractmethod
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
@@ -54,7 +61,8 @@ class Integrator(Estimator, ABC):
         """Return the integrated scores of n observations, NaN for those that cannot be told.
 
         Only the cues asked for through ``evidence.scores`` are extracted; ``evidence.take`` asks
-        for some of the observations only.
+        for some of the observations only. The evidence may be of a cue or of all; scores are of
+        one layout whichever it is.
         """
 
     def unfitted(self) -> Self:
@@ -65,6 +73,8 @@ class Integrator(Estimator, ABC):
 
 class OnlyCue(Integrator):
     """Stands where there is one cue and nothing to integrate: passes its scores on."""
+
+    gaps = True
 
     def fit(  # noqa: D102
         self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None

@@ -62,10 +62,14 @@ class HeldOut:
             part=self.part or len(labels) < len(self),
         )
 
-    def only(self, cues: Sequence[str]) -> HeldOut:
+    def having(self, cues: Sequence[str]) -> HeldOut:
         """Return the samples that have every one of the given cues, with the scores of these."""
-        evidence = self.evidence.only(cues)
-        return replace(self, evidence=evidence).take(np.flatnonzero(evidence.known().all(axis=1)))
+        some = self.only(cues)
+        return some.take(np.flatnonzero(some.evidence.known().all(axis=1)))
+
+    def only(self, cues: Sequence[str]) -> HeldOut:
+        """Return all samples with the scores of the given cues, in their order."""
+        return replace(self, evidence=self.evidence.only(cues))
 
     def parted(self, classes: Sequence[str]) -> tuple[HeldOut, HeldOut | None]:
         """Return the samples of the given classes, and those of others, None where there are none.

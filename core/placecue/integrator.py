@@ -28,6 +28,10 @@ class Integrator(Estimator, ABC):
         each set of cues, and sees only samples that have them all; see :class:`placecue.Schemes`.
     wants_costs : bool
         Whether it is to be told what each cue costs (``held_out.costs``).
+    trade_off_ : dict of str to list
+        Of one that need not ask for all cues: a curve, for the training report. One entry a point
+        in ``cost`` (ms a sample), ``balanced_accuracy``, ``used CUE`` (share of the samples) for
+        each cue, and ``chosen`` (bool).
     """
 
     version: ClassVar[str] = "1"
@@ -69,6 +73,13 @@ class Integrator(Estimator, ABC):
         """Return a copy that has learned nothing, with the same parameters."""
         copy: Self = clone(self)
         return copy
+
+    def best(self) -> Integrator:
+        """Return an unfitted copy with the parameters that its search found, where it searched.
+
+        The default returns a copy that searches again.
+        """
+        return self.unfitted()
 
 
 class OnlyCue(Integrator):

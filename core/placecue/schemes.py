@@ -173,7 +173,7 @@ def sets_of(cues: Sequence[str], together: Iterable[Cues] = ()) -> list[Cues]:
 
 def _having(held_out: HeldOut, cues: Cues) -> HeldOut:
     """Return the samples that have all of some cues."""
-    having = held_out.only(cues)
+    having = held_out.having(cues)
     lacking = sorted(set(held_out.labels.tolist()) - set(having.labels.tolist()))
     if lacking:
         of_class = "" if not len(having) else f" of {' or '.join(map(repr, lacking))}"

@@ -142,7 +142,7 @@ def test_a_nan_feature_is_a_missing_cue() -> None:
     made = Pipeline(cues, SVMDAS(SVM(kernel=RBF(gamma=0.3)))).fit(log)
     used = [belief.cues_used for belief in made.beliefs(log, 16)]
     assert used == [("beams", "spoilt"), ("beams",)] * 160
-    with pytest.raises(UnusableObservation, match="NaN or infinite .* at stamp 200000000"):
+    with pytest.raises(UnusableObservation, match=r"NaN or infinite .* at stamp 200000000"):
         Pipeline({"spoilt": cues["spoilt"]}).fit(log).believe([Walk().at(1)])
     with pytest.raises(DataError, match=r"no sample has cue spoilt \(the first: cue Spoilt .*NaN"):
         Pipeline(cues, SVMDAS(SVM(kernel=RBF(gamma=0.3)))).fit(Walk())
@@ -206,12 +206,12 @@ def test_an_integrator_that_changes_its_layout_is_told() -> None:
     cues = {"beams": (Beams(), SVM(RBF(0.1))), "bright": (Brightness(), SVM(RBF(0.001)))}
     made = Pipeline(cues, Fickle()).fit(Walk())
     log = Altered(Walk(rounds=1), lambda number, each: blind(each) if number % 2 else each)
-    with pytest.raises(ContractError, match="integrator Fickle .*"):
+    with pytest.raises(ContractError, match=r"^integrator Fickle.*gives scores"):
         list(made.beliefs(log, 16))
 
 
 def test_scores_that_were_trained_on_are_refused() -> None:
-    with pytest.raises(UsageError, match="trained on 320 of the 320 samples .*another log"):
+    with pytest.raises(UsageError, match=r"trained on 320 of the 320 samples .*another log"):
         pipeline().fit(Walk(), integration=Walk())
     log = list(Walk())
     with pytest.raises(UsageError, match="force_training_scores=true"):

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from placecue import (
+    Component,
     DataError,
     Evidence,
     HeldOut,
@@ -68,9 +69,8 @@ def by_ten_lines(right: np.ndarray, confidence: np.ndarray, labels: np.ndarray) 
 def test_thresholds_of_a_worked_example() -> None:
     # Two classes, three of each; after the first cue the sure ones are right.
     labels = np.array(["a", "a", "a", "b", "b", "b"])
-    right = np.array(
-        [[True, True, False, True, False, True], [True, True, True, True, True, False]]
-    )
+    first, both = [1, 1, 0, 1, 0, 1], [1, 1, 1, 1, 1, 0]
+    right = np.array([first, both], dtype=bool)
     confidence = np.array([[0.9, 0.5, 0.4, 0.8, 0.3, 0.1], [1.0] * 6])
     stages = Stages(right, confidence, balanced(labels), [2.0, 10.0])
     assert stages.rate([NEVER]) == pytest.approx(5 / 6)
@@ -162,7 +162,7 @@ def test_a_wanted_accuracy_and_a_budget() -> None:
 
     full_cost, full_rate = point()
     cost, rate = point(accuracy=0.85)
-    assert rate >= 0.85
+    assert rate >= 0.85 - 1e-9
     assert cost < full_cost
     for budget in (60.0, 30.0, 12.0, 2.0):
         cost, rate = point(budget=budget)
@@ -311,12 +311,10 @@ def test_costs_are_measured_and_a_model_is_the_same(tmp_path: Path) -> None:
     assert set(made.integrator.costs_) == {"first", "second"}
     assert all(0 < cost < 1000 for cost in made.integrator.costs_.values())
     known = registry()
-    from placecue import Component
-
     known.add([Component("cue", "counted", f"{__name__}:Counted")], "tests", "1")
     save_model(made, tmp_path / "model", known)
     loaded = load_model(tmp_path / "model", known)
     log = Walk(seed=1, noise=0.8)
-    for a, b in zip(made.beliefs(log, 16), loaded.beliefs(log, 1), strict=True):
+    for a, b in zip(made.beliefs(log, 16), loaded.beliefs(log, 16), strict=True):
         assert a.cues_used == b.cues_used
         np.testing.assert_array_equal(a.scores.values, b.scores.values)

@@ -68,7 +68,13 @@ if TYPE_CHECKING:
     from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
-    from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+    from placecue.scaling import (
+        FamilyScaling,
+        QuantileScaling,
+        RangeScaling,
+        Scaling,
+        StandardScaling,
+    )
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -242,7 +248,13 @@ _MODULES = {
     "pipeline": ("Pipeline",),
     "progress": ("track",),
     "ownership": ("provenance",),
-    "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
+    "scaling": (
+        "FamilyScaling",
+        "QuantileScaling",
+        "RangeScaling",
+        "Scaling",
+        "StandardScaling",
+    ),
     "scores": (
         "Decision",
         "DecisionList",

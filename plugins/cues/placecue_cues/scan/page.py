@@ -45,7 +45,7 @@ def page() -> str:
 
 
 def _section(preset: str) -> str:
-    families = LaserGeometry(preset).families()
+    families = LaserGeometry(preset).feature_families()
     total = sum(len(family.names) for family in families)
     head = f"## Preset `{preset}`: {total} features\n\n{_PRESETS[preset]}\n"
     table = "| column | name | unit | what it is |\n|---|---|---|---|\n"

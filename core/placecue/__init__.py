@@ -115,6 +115,7 @@ __all__ = [
     "Evidence",
     "Extracted",
     "Extraction",
+    "FamilyScaling",
     "Faults",
     "Feature",
     "FeatureBatch",

@@ -68,7 +68,13 @@ if TYPE_CHECKING:
     from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
-    from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+    from placecue.scaling import (
+        FamilyScaling,
+        QuantileScaling,
+        RangeScaling,
+        Scaling,
+        StandardScaling,
+    )
     from placecue.schemes import Schemes, sets_of
     from placecue.scores import (
         Decision,
@@ -110,6 +116,7 @@ __all__ = [
     "Evidence",
     "Extracted",
     "Extraction",
+    "FamilyScaling",
     "Faults",
     "Feature",
     "FeatureBatch",
@@ -246,7 +253,13 @@ _MODULES = {
     "pipeline": ("Pipeline",),
     "progress": ("track",),
     "ownership": ("provenance",),
-    "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
+    "scaling": (
+        "FamilyScaling",
+        "QuantileScaling",
+        "RangeScaling",
+        "Scaling",
+        "StandardScaling",
+    ),
     "schemes": ("Schemes", "sets_of"),
     "scores": (
         "Decision",

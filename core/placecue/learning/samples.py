@@ -18,6 +18,7 @@ from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.augmentation import augmentations_of, augmented, told_apart
+from placecue.learning.families import families_of
 from placecue.observation import Observation, Origin
 from placecue.training_set import TrainingSet
 
@@ -173,7 +174,8 @@ class Samples:
             self._check_there(name, self.extracted[name].rows)
             found = self._learned(name, cue) if cue.learns else self._extracted(name)
             self._check_there(name, found[1])
-            known = self._known[name] = cue, *found
+            training = replace(found[0], families=families_of(cue, found[0].features))
+            known = self._known[name] = cue, training, found[1]
         return known[1:]
 
     def _extracted(self, name: str) -> tuple[TrainingSet, Rows]:

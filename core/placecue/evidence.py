@@ -135,10 +135,6 @@ class StoredEvidence(Evidence):
         scores = {cue: of_cue[some] for cue, of_cue in self._scores.items()}
         return StoredEvidence(scores, self.trained_on()[some])
 
-    def said_trained_on(self, rows: NDArray[np.bool_]) -> StoredEvidence:
-        """Return the same, and which of the n observations the models were trained on."""
-        return StoredEvidence(self._scores, rows)
-
     def only(self, cues: Sequence[str]) -> StoredEvidence:  # noqa: D102
         return StoredEvidence({cue: self.scores(cue) for cue in cues}, self._trained_on)
 

@@ -38,7 +38,7 @@ from placecue.learning.judging import (
     judged_by_integrators,
 )
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
-from placecue.learning.samples import Samples
+from placecue.learning.samples import Samples, Which
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.schemes import Cues, Schemes, sets_of
@@ -122,6 +122,7 @@ class Pipeline:
         self.rejection_: Rejection | None = None
         self.held_out_: HeldOut | None = None
         self.judged_: list[Judged] | None = None
+        self._trained_on: Which | None = None
 
     # ------------------------------------------------------------------ one observation
 
@@ -296,9 +297,7 @@ class Pipeline:
         judges = self.unknown is not None or (reliability and self._tells_probabilities())
         unseen = foreign = None
         if integration is not None and (self.integrates or judges):
-            unseen, foreign = self._unseen(integration, samples)
-            if not force_training_scores:
-                check_unseen(unseen)
+            unseen, foreign = self._unseen(integration, force_training_scores)
         elif integration is not None:
             log.warning(
                 "the integration log is not used: one cue needs no integration, and neither "
@@ -307,7 +306,7 @@ class Pipeline:
         self.held_out_ = unseen
         if self.integrates:
             self.held_out_ = self.held_out(samples) if unseen is None else unseen
-            self.fit_integrator(self.held_out_)
+            self.fit_integrator(self.held_out_, force_training_scores=force_training_scores)
             judges |= reliability and self._tells_probabilities()
         if judges:
             self.judged_ = self._judged(samples, unseen)
@@ -342,6 +341,7 @@ class Pipeline:
         """
         for name, model in track(self.cues.items(), "training", len(self.cues)):
             model.fit(samples.training_set(name, model.cue))
+        self._trained_on = samples.which()
         return self
 
     def held_out(self, samples: Samples) -> HeldOut:
@@ -365,11 +365,18 @@ class Pipeline:
             raise DataError("no sample has out-of-fold scores: give more training samples")
         return held_out
 
-    def fit_integrator(self, held_out: HeldOut) -> Self:
+    def fit_integrator(self, held_out: HeldOut, *, force_training_scores: bool = False) -> Self:
         """Fit the integrator on scores that the single-cue models have not been trained on.
 
         Copies of it are fitted for where cues are missing; see :class:`placecue.Schemes`.
+
+        Raises
+        ------
+        UsageError
+            If they are known to have been trained on some of the samples, unless that is forced.
         """
+        if not force_training_scores:
+            check_unseen(held_out)
         schemes = Schemes.fit(self.integrator, held_out, self._sets())
         self.for_fewer_ = {
             cues: scheme
@@ -389,7 +396,10 @@ class Pipeline:
         return self
 
     def evidence_of(self, samples: Samples) -> StoredEvidence:
-        """Return the scores of labelled samples that were not trained on; NaN where it cannot."""
+        """Return the scores of labelled samples, NaN where there are none.
+
+        The evidence knows which of them the single-cue models were trained on.
+        """
         scores = {}
         for name, model in self.cues.items():
             found = samples.features(name, model.cue)
@@ -399,7 +409,8 @@ class Pipeline:
             else:
                 scored = model.tried(found.features, skip=self.skips)
             scores[name] = scored.spread(found.rows, len(samples))
-        return StoredEvidence(scores)
+        known = self._trained_on
+        return StoredEvidence(scores, None if known is None else samples.which().among(known))
 
     def _with_some(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
         """Return the samples with scores of a cue or more; None where there is none."""
@@ -480,14 +491,15 @@ class Pipeline:
             )
 
     def _unseen(
-        self, observations: Iterable[Observation], trained_on: Samples
+        self, observations: Iterable[Observation], force_training_scores: bool
     ) -> tuple[HeldOut, HeldOut | None]:
         """Return the evidence of another sequence, and that of other places in it, if any."""
         unseen = self.collect(observations)
-        evidence = self.evidence_of(unseen)
-        every = self._with_some(unseen, evidence.said_trained_on(unseen.among(trained_on)))
+        every = self._with_some(unseen, self.evidence_of(unseen))
         if every is None:
             raise DataError("no sample of the integration log has scores of a cue")
+        if not force_training_scores:
+            check_unseen(every)
         held_out, foreign = every.parted(self.classes)
         missing = set(self.classes) - set(held_out.labels.tolist())
         if missing and self.integrates:

@@ -14,6 +14,7 @@ from placecue import (
     Cue,
     DataError,
     EncodedImage,
+    HeldOut,
     Integrator,
     Observation,
     OneAgainstAll,
@@ -219,3 +220,17 @@ def test_scores_that_were_trained_on_are_refused() -> None:
         pipeline().fit(log, integration=log)
     pipeline().fit(Walk(), integration=Walk(), force_training_scores=True)
     pipeline().fit(Walk(), integration=Walk(seed=3))
+
+
+def test_so_they_are_step_by_step() -> None:
+    made = pipeline()
+    samples = made.collect(Walk())
+    made.fit_cues(samples)
+    held_out = HeldOut(made.evidence_of(samples), samples.labels, samples.stamps)
+    assert held_out.evidence.trained_on().all()
+    with pytest.raises(UsageError, match="trained on 320 of the 320"):
+        made.fit_integrator(held_out)
+    made.fit_integrator(held_out, force_training_scores=True)
+    made.fit_integrator(made.held_out(samples))
+    others = made.collect(Walk(seed=3))
+    assert not made.evidence_of(others).trained_on().any()

@@ -145,12 +145,9 @@ class Samples:
         self._report(name, found.failed, len(rows))
         return Extracted(rows[found.rows], found.features)
 
-    def among(self, others: Samples) -> NDArray[np.bool_]:
-        """Return which of the samples are among others, as far as is known, shape (n,)."""
-        if self.observations is others.observations:
-            return np.isin(self.positions, others.positions)
-        known = {origin for origin in others.origins if origin is not None}
-        return np.array([origin in known for origin in self.origins], dtype=bool)
+    def which(self) -> Which:
+        """Return which samples these are, without their features."""
+        return Which(self.observations, self.positions, self.origins)
 
     def reread(self, rows: Rows | None = None) -> Reread:
         """Return the observations of the given samples (all by default), to be read again."""
@@ -250,6 +247,21 @@ class Samples:
             folds=self.folds,
             part=self.part,
         )
+
+
+class Which(NamedTuple):
+    """Which observations some samples are."""
+
+    observations: Iterable[Observation]
+    positions: NDArray[np.int64]
+    origins: Sequence[Origin | None]
+
+    def among(self, others: Which) -> NDArray[np.bool_]:
+        """Return which of these n samples are among others, as far as is known, shape (n,)."""
+        if self.observations is others.observations:
+            return np.isin(self.positions, others.positions)
+        known = {origin for origin in others.origins if origin is not None}
+        return np.array([origin in known for origin in self.origins], dtype=bool)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from placecue.contracts.words import all_finite, counted, numbers, rows
+from placecue.contracts.words import all_finite, counted, numbers, rows, shown
 from placecue.errors import described
 from placecue.features import DescriptorSets, FeatureBatch, kind_of
 
@@ -54,8 +54,9 @@ def families(made: Any, like: FeatureBatch) -> str | None:
     """Check the families of features: None, or a name for each column of a batch."""
     if made is None:
         return None
-    if not isinstance(made, Sequence) or not all(isinstance(name, str) for name in made):
-        return f"is {described(made)}, not a sequence of names or None"
+    several = isinstance(made, Sequence) and not isinstance(made, str)
+    if not several or not all(isinstance(name, str) for name in made):
+        return f"is {shown(made)}, not a sequence of names or None"
     columns = like.shape[1]
     return None if len(made) == columns else f"names {counted(len(made), 'column')} of {columns}"
 

@@ -42,7 +42,7 @@ from placecue.learning.samples import Samples, Which
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.schemes import Cues, Schemes, sets_of
-from placecue.scores import Probabilities, Scores
+from placecue.scores import Layout, Probabilities, Scores
 from placecue.semantic_map import UNKNOWN
 from placecue.source import guarded
 
@@ -79,6 +79,8 @@ class Pipeline:
         An observation that has fewer cues is passed over.
     for_fewer_ : dict of tuple of str to Integrator
         Copies of the integrator for where cues are missing, fitted by :meth:`fit`.
+    layout_ : Layout or None
+        That of the integrated scores.
     rejection_ : Rejection or None
         The threshold below which a decision is "unknown", chosen by :meth:`fit`.
     held_out_ : HeldOut or None
@@ -119,6 +121,7 @@ class Pipeline:
         self.on_error = "stop"
         self.min_cues = 1
         self.for_fewer_: dict[Cues, Integrator] = {}
+        self.layout_: Layout | None = None
         self.rejection_: Rejection | None = None
         self.held_out_: HeldOut | None = None
         self.judged_: list[Judged] | None = None
@@ -383,6 +386,7 @@ class Pipeline:
             for cues, scheme in schemes.by_cues.items()
             if scheme is not self.integrator
         }
+        self.layout_ = schemes.layout
         return self
 
     def fit_rejection(self, judged: Sequence[Judged]) -> Self:
@@ -443,7 +447,7 @@ class Pipeline:
     @property
     def schemes(self) -> Schemes:
         """The integrator, and its copies for where cues are missing."""
-        return Schemes({tuple(self.cues): self.integrator, **self.for_fewer_})
+        return Schemes({tuple(self.cues): self.integrator, **self.for_fewer_}, self.layout_)
 
     @property
     def least(self) -> int:

@@ -18,7 +18,7 @@ from placecue.integration import integrated, unfitted
 from placecue.integrator import Integrator
 from placecue.observation import Observation
 from placecue.ownership import provenance
-from placecue.scores import Scores
+from placecue.scores import Layout, Scores
 
 #: Some of the cues, in the order of all.
 Cues: TypeAlias = tuple[str, ...]
@@ -30,12 +30,14 @@ class Schemes:
     """A fitted integrator for each set of cues.
 
     A sample is integrated by the scheme of the cues that it has, or else by that of the largest
-    set among them.
+    set among them. One cue alone needs no integrator: what it says is told in the layout of all.
 
     Parameters
     ----------
     by_cues : mapping of tuple of str to Integrator
         The integrators, that of all cues first; of one that copes with gaps itself no other.
+    layout : Layout, optional
+        That of the integrated scores, in which a cue alone is told.
 
     References
     ----------
@@ -43,8 +45,9 @@ class Schemes:
     integration likewise (section 4.3).
     """
 
-    def __init__(self, by_cues: Mapping[Cues, Integrator]) -> None:
+    def __init__(self, by_cues: Mapping[Cues, Integrator], layout: Layout | None = None) -> None:
         self.by_cues = dict(by_cues)
+        self.layout = layout
 
     @classmethod
     def fit(
@@ -70,13 +73,15 @@ class Schemes:
         if integrator.gaps:
             call(integrator, "train", held_out)
             return cls({cues: integrator})
-        by_cues: dict[Cues, Integrator] = {}
-        for some in [cues, *(sets_of(cues) if sets is None else sets)]:
-            if some not in by_cues:
-                scheme = unfitted(integrator) if by_cues else integrator
+        having = _having(held_out, cues)
+        call(integrator, "train", having)
+        found = cls({cues: integrator}, _layout(integrator, having))
+        for some in sets_of(cues) if sets is None else sets:
+            if some not in found.by_cues and not found._tells(some, having):
+                scheme = unfitted(integrator)
                 call(scheme, "train", _having(held_out, some))
-                by_cues[some] = scheme
-        return cls(by_cues)
+                found.by_cues[some] = scheme
+        return found
 
     @property
     def full(self) -> Integrator:
@@ -86,8 +91,15 @@ class Schemes:
     def of(self, cues: Sequence[str]) -> Cues:
         """Return the largest set with a scheme among some cues, the first of equals; or none."""
         there = set(cues)
-        fitting = [some for some in self.by_cues if there.issuperset(some)]
+        alone = [] if self.layout is None else [(cue,) for cue in cues]
+        fitting = [some for some in [*self.by_cues, *alone] if there.issuperset(some)]
         return max(fitting, key=len, default=())
+
+    def _tells(self, cues: Cues, having: HeldOut) -> bool:
+        """Tell whether what some cues say can be told in the layout without an integrator."""
+        if len(cues) > 1 or self.layout is None:
+            return False
+        return having.evidence.scores(cues[0])[:1].told_in(self.layout) is not None
 
     def integrate(
         self,
@@ -112,7 +124,7 @@ class Schemes:
                 if cues:
                     some = None if observations is None else [observations[row] for row in of_set]
                     part = _part(evidence, cues, of_set)
-                    found, wrong = integrated(self.by_cues[cues], part, some, skip=skip)
+                    found, wrong = self._integrated(cues, part, some, skip)
                     failed |= {int(of_set[row]): error for row, error in wrong.items()}
                 scores = self._placed(scores, found, of_set, len(evidence))
             # What was extracted may be unusable: such rows are asked about again, without it.
@@ -122,6 +134,18 @@ class Schemes:
             layout = evidence.layout(evidence.cues[0])
             scores = Scores(np.full((len(evidence), len(layout.columns)), np.nan), layout)
         return scores, failed
+
+    def _integrated(
+        self,
+        cues: Cues,
+        evidence: Evidence,
+        observations: Sequence[Observation] | None,
+        skip: bool,
+    ) -> tuple[Scores | None, dict[int, UnusableObservation]]:
+        if cues in self.by_cues:
+            return integrated(self.by_cues[cues], evidence, observations, skip=skip)
+        assert self.layout is not None  # or there was no such set
+        return evidence.scores(cues[0]).told_in(self.layout), {}
 
     def _parted(self, cues: Cues, known: NDArray[np.bool_], rows: Rows) -> list[tuple[Cues, Rows]]:
         """Return which rows are integrated by the scheme of which cues."""
@@ -169,6 +193,11 @@ def sets_of(cues: Sequence[str], together: Iterable[Cues] = ()) -> list[Cues]:
     more = {tuple(cue for cue in cues if cue in some) for some in together}
     found += [some for some in more if some and some not in found]
     return sorted(found, key=len, reverse=True)
+
+
+def _layout(integrator: Integrator, having: HeldOut) -> Layout:
+    """Return the layout of a fitted integrator's scores."""
+    return integrated(integrator, having.evidence.take([0]))[0].layout
 
 
 def _having(held_out: HeldOut, cues: Cues) -> HeldOut:

@@ -17,6 +17,9 @@ from placecue.read_only import read_only
 
 Values = NDArray[np.float64]
 
+#: What sets one class before the next where a decision has no confidence in it.
+SMALLEST_STEP = 1e-6
+
 
 @dataclass(frozen=True, slots=True)
 class Decision:
@@ -74,6 +77,14 @@ class Layout(ABC):
         ordered = np.take_along_axis(self.preference(values), ranking[:, :2], axis=1)
         return np.asarray(ordered[:, 0] - ordered[:, 1])
 
+    def of_preference(self, preference: Values) -> Values | None:
+        """Return scores of this layout that rank the classes like this, None where it cannot.
+
+        The opposite of :meth:`preference`: (n, M) to (n, V), so that a belief of another layout
+        can be told in this one.
+        """
+        return None
+
     def rank(self, values: Values) -> NDArray[np.int64]:
         """Return the classes from best to worst, shape (n, M); equal ones in order of label."""
         return np.argsort(-self.preference(values), axis=1, kind="stable").astype(np.int64)
@@ -123,6 +134,9 @@ class _ColumnPerClass(Layout):
     def preference(self, values: Values) -> Values:
         return values
 
+    def of_preference(self, preference: Values) -> Values | None:
+        return preference
+
 
 @dataclass(frozen=True)
 class OneAgainstAll(_ColumnPerClass):
@@ -136,6 +150,11 @@ class Probabilities(_ColumnPerClass):
     """Column j is the probability of class j; the largest wins."""
 
     name: ClassVar[str] = "probabilities"
+
+    def of_preference(self, preference: Values) -> Values:
+        """Return the softmax."""
+        powers = np.exp(preference - preference.max(axis=1, keepdims=True))
+        return np.asarray(powers / powers.sum(axis=1, keepdims=True))
 
 
 @dataclass(frozen=True)
@@ -155,6 +174,9 @@ class ModifiedOneAgainstAll(_ColumnPerClass):
 
     def preference(self, values: Values) -> Values:  # noqa: D102
         return np.asarray(-np.abs(values))
+
+    def of_preference(self, preference: Values) -> Values:  # noqa: D102
+        return np.asarray(preference.max(axis=1, keepdims=True) - preference)
 
 
 @dataclass(frozen=True)
@@ -204,6 +226,11 @@ class DecisionList(_ColumnPerClass):
         np.put_along_axis(ranks, order, np.arange(m)[None, :], axis=1)
         return ranks.astype(np.float64)
 
+    def of_preference(self, preference: Values) -> Values:
+        """Return outputs of which the winner's alone is positive."""
+        best = np.sort(preference, axis=1)[:, -2:]
+        return np.asarray(preference - best.mean(axis=1, keepdims=True))
+
     def confidence(self, values: Values, ranking: NDArray[np.int64]) -> Values:  # noqa: D102
         places = self.places
         asked = values[:, places[:-1]]
@@ -232,6 +259,11 @@ class OneAgainstOne(Layout):
     @property
     def columns(self) -> tuple[str, ...]:  # noqa: D102
         return tuple(f"{self.classes[i]}|{self.classes[j]}" for i, j in self.pairs)
+
+    def of_preference(self, preference: Values) -> Values:
+        """Return by how much the first class of each pair is preferred to the second."""
+        first, second = np.array(self.pairs).T
+        return np.asarray(preference[:, first] - preference[:, second])
 
     def margins(self, values: Values) -> Values:
         """Return margin[s, i, j], by how much class i beats class j, shape (n, M, M)."""
@@ -295,6 +327,33 @@ class Scores:
         check = partial(promised, n=len(self.values), classes=len(self.layout.classes))
         decision: Decision = call(self.layout, "decide", self.values, check=check)
         return decision
+
+    def told_in(self, layout: Layout) -> Scores | None:
+        """Return scores of another layout that say the same, None where they cannot be told in it.
+
+        Labels and ranking stay; so does the confidence where the other layout's is a lead over the
+        runner-up in the same unit.
+
+        Parameters
+        ----------
+        layout : Layout
+            Of the same classes.
+        """
+        if layout == self.layout:
+            return self
+        if layout.classes != self.layout.classes:
+            return None
+        there = np.flatnonzero(self.available())
+        decision = self[there].decide()
+        if type(self.layout).confidence is Layout.confidence:
+            preference = self.layout.preference(self.values[there])
+        else:  # ranks without a unit: each class a step of the confidence behind the one before
+            step = np.maximum(decision.confidence, SMALLEST_STEP)
+            preference = np.empty(decision.ranking.shape)
+            places = -np.arange(decision.ranking.shape[1])[None, :] * step[:, None]
+            np.put_along_axis(preference, decision.ranking, places, axis=1)
+        values = layout.of_preference(preference)
+        return None if values is None else Scores(values, layout).spread(there, len(self))
 
     def available(self) -> NDArray[np.bool_]:
         """Return which samples have scores, shape (n,); a missing one is a row of NaN."""

@@ -176,6 +176,7 @@ def _learned(pipeline: Pipeline, encoder: Encoder) -> dict[str, Any]:
             {"cues": list(cues), "state": encoder.state(scheme, f"integrator of {'+'.join(cues)}")}
             for cues, scheme in pipeline.for_fewer_.items()
         ],
+        "layout": encoder.encode(pipeline.layout_, "layout"),
     }
     if pipeline.rejection_ is not None:
         state["rejection"] = asdict(pipeline.rejection_)
@@ -201,6 +202,7 @@ def _restored(manifest: Mapping[str, Any], state: Any, decoder: Decoder) -> Pipe
             raise DataError(f"it has an integrator of other cues than its own: {cues}")
         decoder.restore(scheme, each["state"])
         pipeline.for_fewer_[cues] = scheme
+    pipeline.layout_ = _layout(decoder.decode(state.get("layout")), manifest["classes"])
     if "rejection" in state:
         pipeline.rejection_ = _rejection(state["rejection"])
     surplus = decoder.arrays.keys() - decoder.used
@@ -216,6 +218,13 @@ def _check_classes(name: str, classifier: Any, classes: list[str]) -> None:
     labels = getattr(classifier, "labels_", classes)
     if list(layout.classes) != classes or len(labels) != len(classes):
         raise DataError(f"the classifier of cue '{name}' has other classes than the manifest")
+
+
+def _layout(layout: Any, classes: list[str]) -> Layout | None:
+    """Check the layout of the integrated scores."""
+    if layout is not None and not (isinstance(layout, Layout) and list(layout.classes) == classes):
+        raise DataError("its integrated scores are of no layout of its classes")
+    return layout
 
 
 def _rejection(state: Any) -> Rejection:

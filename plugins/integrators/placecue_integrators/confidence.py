@@ -61,9 +61,13 @@ class Confidence(Integrator):
     costs_ : dict of str to float
         What each cue takes, ms a sample; 1 where that was not measured.
     sets_ : list of list of str
-        The sets of cues that there are schemes for.
+        The sets of cues that there are thresholds for.
+    fitted_sets_ : list of list of str
+        Those that there is a scheme of integration for.
     schemes_ : list of Integrator
-        The scheme of each set.
+        The scheme of each of these.
+    layout_ : Layout or None
+        That of the integrated scores, in which a cue alone is told.
     thresholds_ : ndarray of float64, shape (sets, cues - 1)
         For each set the confidence that is enough after the first, second ... of its cues; NaN
         beyond its last but one.
@@ -129,7 +133,9 @@ class Confidence(Integrator):
         base = clone(self.integrator)
         schemes = Schemes.fit(base, ordered, sets)
         self.sets_ = [list(cues) for cues in sets]
-        self.schemes_ = [schemes.by_cues.get(cues, schemes.full) for cues in sets]
+        self.fitted_sets_ = [list(cues) for cues in schemes.by_cues]
+        self.schemes_ = list(schemes.by_cues.values())
+        self.layout_ = schemes.layout
         unseen = self._out_of_fold(ordered, base, sets)
         self.thresholds_ = np.full((len(sets), max(len(self.cues_) - 1, 1)), np.nan)
         for row, cues in enumerate(sets):
@@ -220,7 +226,8 @@ class Confidence(Integrator):
 
     def integrate(self, evidence: Evidence) -> Scores:
         """Return the scores of the cues that it took to be sure; NaN where no cue is there."""
-        schemes = Schemes({tuple(c): s for c, s in zip(self.sets_, self.schemes_, strict=True)})
+        by_cues = zip(map(tuple, self.fitted_sets_), self.schemes_, strict=True)
+        schemes = Schemes(dict(by_cues), self.layout_)
         found: list[tuple[Rows, Scores]] = []
         todo = list(self._parted(evidence))
         while todo:

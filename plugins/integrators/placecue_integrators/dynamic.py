@@ -1,0 +1,130 @@
+"""Log-linear pooling with a weight for each cue and sample, by how sure the cue is of it."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from placecue import DataError, Evidence, Integrator, Probabilities, Scores, check_number
+from placecue_integrators.agreement import class_codes, common_classes
+from placecue_integrators.calibrated import Calibration, certainty
+from placecue_integrators.log_linear import fitted_weights, log_softmax
+
+Matrix = NDArray[np.float64]
+
+
+class Dynamic(Integrator):
+    """Product of calibrated probabilities, each cue weighted by how sure it is of the sample.
+
+    p(k | s) is in proportion to prod_t p_t(k | s)^w_t(s), where p_t are the probabilities of cue
+    t, calibrated by a temperature and class biases from its scores of whatever layout, and ::
+
+        w_t(s) = u_t (1 - c_t(s)) + v_t c_t(s),    u_t, v_t >= 0,
+
+    with c_t(s) = 1 - H(p_t(. | s)) / log M, which is 0 where the cue knows nothing of the sample
+    and 1 where it is certain. A camera in the dark is not sure, so that u, not v, says what it
+    counts there. All weights 1 is the product rule; u_t = v_t are weights that do not depend on
+    the sample. Calibration, then u and v, are fitted to held-out scores by log loss with classes
+    weighted equally: two convex problems.
+
+    For each set of cues that are there a scheme of its own is fitted (``gaps`` is False): what a
+    cue should count depends on what stands beside it.
+
+    Parameters
+    ----------
+    penalty : float
+        Draws u and v to 1, and slope and biases of the calibration to 0, as a normal prior of
+        variance 1 / ``penalty`` on standardised scores would; above 0.
+
+    Attributes
+    ----------
+    cues_ : list of str
+        The T cues, in the order of what follows.
+    slopes_, scales_ : ndarray of float64, shape (T,)
+        Of each cue's calibration; see :class:`placecue_integrators.calibrated.Calibration`.
+    biases_ : ndarray of float64, shape (T, M)
+        The same.
+    weights_ : ndarray of float64, shape (T, 2)
+        What each cue counts where it knows nothing (u) and where it is certain (v).
+
+    References
+    ----------
+    Beyond the paper, our choice. Log-linear pooling: Genest and Zidek, Combining probability
+    distributions, Statistical Science 1(1), 1986.
+    """
+
+    def __init__(self, penalty: float = 1.0) -> None:
+        self.penalty = penalty
+
+    def check_parameters(self) -> None:  # noqa: D102
+        check_number("penalty", self.penalty, above=0, below=np.inf)
+
+    def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
+        """Learn from scores that the single-cue models have not been trained on.
+
+        Samples that lack a cue are left out.
+
+        Raises
+        ------
+        DataError
+            If the cues do not tell the same classes apart, the labels are of others, or samples
+            with scores of every cue are not there or all of one class.
+        """
+        self.check_parameters()
+        self.cues_ = list(evidence.cues)
+        classes = common_classes(evidence, self.cues_)
+        codes = class_codes(labels, evidence, classes)
+        rows = self._complete(evidence)
+        if len(set(codes[rows].tolist())) < 2:
+            raise DataError(
+                f"{len(rows)} held-out samples have scores of all cues ({', '.join(self.cues_)}), "
+                "and they are not of two classes or more: weights cannot be told from them"
+            )
+        each = [
+            Calibration.fit(evidence.scores(cue)[rows], codes[rows], self.penalty)
+            for cue in self.cues_
+        ]
+        self.slopes_ = np.array([one.slope for one in each])
+        self.scales_ = np.array([one.scale for one in each])
+        self.biases_ = np.stack([one.bias for one in each])
+        terms = self._terms(evidence, rows)
+        prior = np.ones(terms.shape[1])
+        weights = fitted_weights(terms, codes[rows], prior, np.zeros_like(prior), self.penalty)
+        self.weights_ = weights.reshape(-1, 2)
+        return self
+
+    def integrate(self, evidence: Evidence) -> Scores:
+        """Return the probabilities of n observations, shape (n, M); NaN where a cue is missing."""
+        layout = Probabilities(common_classes(evidence, self.cues_))
+        rows = self._complete(evidence)
+        values = np.full((len(evidence), len(layout.classes)), np.nan)
+        if rows.size:
+            # einsum adds in one order whatever the number of rows; BLAS does not.
+            logits = np.einsum("j,njk->nk", self.weights_.ravel(), self._terms(evidence, rows))
+            values[rows] = np.exp(log_softmax(logits))
+        return Scores(values, layout)
+
+    def check_learned(self) -> None:
+        """Raise ValueError if what a model folder says does not fit together."""
+        t, m = np.shape(self.biases_)
+        shapes = [np.shape(each) for each in (self.slopes_, self.scales_, self.weights_)]
+        if shapes != [(t,), (t,), (t, 2)] or len(self.cues_) != t or m < 2:
+            raise ValueError(f"weights of {t} cues, and {len(self.cues_)} names of them")
+
+    def _complete(self, evidence: Evidence) -> NDArray[np.int64]:
+        """Return the rows that have scores of every cue."""
+        there = np.ones(len(evidence), dtype=bool)
+        for cue in self.cues_:
+            there &= evidence.scores(cue).available()
+        return np.flatnonzero(there)
+
+    def _terms(self, evidence: Evidence, rows: NDArray[np.int64]) -> Matrix:
+        """Return (1 - c_t) log p_t and c_t log p_t of each cue, shape (k, 2 T, M)."""
+        terms = []
+        for cue, *learned in zip(self.cues_, self.slopes_, self.scales_, self.biases_, strict=True):
+            logs = Calibration(*learned).log_probabilities(evidence.scores(cue)[rows])
+            sure = certainty(logs)[:, None]
+            terms += [(1 - sure) * logs, sure * logs]
+        return np.stack(terms, axis=1)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue import DataError, Evidence, UsageError, choices
+from placecue import DataError, Evidence, choices
 
 
 def common_classes(evidence: Evidence, cues: Sequence[str]) -> tuple[str, ...]:
@@ -54,10 +54,3 @@ def class_codes(labels: Any, evidence: Evidence, classes: Sequence[str]) -> NDAr
             f"{choices(foreign[0], classes)}"
         )
     return np.asarray(np.searchsorted(classes, labels), dtype=np.int64)
-
-
-def check_cue_names(parameter: str, given: Sequence[str], cues: Sequence[str]) -> None:
-    """Raise UsageError if a parameter by cue names a cue that is not there."""
-    for name in given:
-        if name not in cues:
-            raise UsageError(f"{parameter} names cue '{name}'; {choices(name, cues)}")

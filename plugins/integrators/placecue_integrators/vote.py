@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue import Evidence, Layout, Rows, Scores, UsageError, check_number
-from placecue_integrators.agreement import check_cue_names, common_classes
+from placecue import Evidence, Layout, Rows, Scores, UsageError, check_number, choices
+from placecue_integrators.agreement import common_classes
 from placecue_integrators.fixed_rule import FixedRule, told
 from placecue_integrators.votes import Votes
 
@@ -44,6 +44,18 @@ class Vote(FixedRule):
         for cue, weight in (self.weights or {}).items():
             check_number(f"weights.{cue}", weight, least=0, below=np.inf)
 
+    def check_cues(self, cues: Sequence[str]) -> None:
+        """Raise UsageError if a weight is of none of these cues, or all of them count 0."""
+        given = self.weights or {}
+        for name in given:
+            if name not in cues:
+                raise UsageError(f"weights of votes name cue '{name}'; {choices(name, cues)}")
+        if not any(given.get(cue, 1) for cue in cues):
+            raise UsageError(
+                f"the votes of all cues ({', '.join(cues)}) count 0: give one of them a weight "
+                "above 0"
+            )
+
     def integrate(self, evidence: Evidence) -> Scores:
         """Return shares of votes and rank points, shape (n, 2 M), in the layout :class:`Votes`."""
         layout = Votes(common_classes(evidence, self.cues_))
@@ -71,14 +83,9 @@ class Vote(FixedRule):
                 yield self.weights_[cue], some, of_cue
 
     def _learn(self, evidence: Evidence, codes: NDArray[np.int64]) -> None:
+        self.check_cues(self.cues_)
         given = self.weights or {}
-        check_cue_names("weights", list(given), self.cues_)
         self.weights_ = {cue: float(given.get(cue, 1)) for cue in self.cues_}
-        if not any(self.weights_.values()):
-            raise UsageError(
-                f"the votes of all cues ({', '.join(self.cues_)}) count 0: give one of them a "
-                "weight above 0"
-            )
 
 
 def _alike(layouts: Mapping[str, Layout]) -> list[tuple[Layout, list[str]]]:

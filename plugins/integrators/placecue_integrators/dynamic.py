@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
@@ -77,11 +78,7 @@ class Dynamic(Integrator):
         classes = common_classes(evidence, self.cues_)
         codes = class_codes(labels, evidence, classes)
         rows = self._complete(evidence)
-        if len(set(codes[rows].tolist())) < 2:
-            raise DataError(
-                f"{len(rows)} held-out samples have scores of all cues ({', '.join(self.cues_)}), "
-                "and they are not of two classes or more: weights cannot be told from them"
-            )
+        self._check_classes([classes[code] for code in np.unique(codes[rows])], len(rows))
         each = [
             Calibration.fit(evidence.scores(cue)[rows], codes[rows], self.penalty)
             for cue in self.cues_
@@ -112,6 +109,13 @@ class Dynamic(Integrator):
         shapes = [np.shape(each) for each in (self.slopes_, self.scales_, self.weights_)]
         if shapes != [(t,), (t,), (t, 2)] or len(self.cues_) != t or m < 2:
             raise ValueError(f"weights of {t} cues, and {len(self.cues_)} names of them")
+
+    def _check_classes(self, names: Sequence[str], n: int) -> None:
+        if len(names) < 2:
+            raise DataError(
+                "weights need held-out samples of two classes or more with scores of all cues "
+                f"({', '.join(self.cues_)}), got {f'{n} of {names[0]}' if n else 'none'}"
+            )
 
     def _complete(self, evidence: Evidence) -> NDArray[np.int64]:
         """Return the rows that have scores of every cue."""

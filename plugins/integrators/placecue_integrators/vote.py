@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue import Evidence, Layout, Rows, Scores, UsageError, check_number, choices
+from placecue import Evidence, Layout, Scores, UsageError, check_number, choices
 from placecue_integrators.agreement import common_classes
 from placecue_integrators.fixed_rule import FixedRule, told
 from placecue_integrators.votes import Votes
+
+Mask = NDArray[np.bool_]
 
 
 class Vote(FixedRule):
@@ -59,28 +61,17 @@ class Vote(FixedRule):
     def integrate(self, evidence: Evidence) -> Scores:
         """Return shares of votes and rank points, shape (n, 2 M), in the layout :class:`Votes`."""
         layout = Votes(common_classes(evidence, self.cues_))
-        n, m = len(evidence), len(layout.classes)
-        votes, points, total = np.zeros((n, m)), np.zeros((n, m)), np.zeros((n, 1))
-        steps = np.arange(m - 1, -1, -1) / (m - 1)
-        for weight, rows, ranking in self._ballots(evidence):
-            votes[rows, ranking[:, 0]] += weight
-            points[rows[:, None], ranking] += weight * steps
-            total[rows] += weight
-        shares = np.hstack([votes, points]) / np.where(total > 0, total, 1)
-        return Scores(told(shares, total[:, 0] > 0), layout)
-
-    def _ballots(self, evidence: Evidence) -> Iterator[tuple[float, Rows, NDArray[np.int64]]]:
-        """Yield the weight of each cue that counts, where it is there, and its rankings there."""
-        counting = [cue for cue, weight in self.weights_.items() if weight > 0]
-        scores = {cue: evidence.scores(cue) for cue in counting}
-        # Cues of one layout decide together: for one sample a call costs more than its sums.
-        for layout, cues in _alike({cue: each.layout for cue, each in scores.items()}):
-            rows = [np.flatnonzero(scores[cue].available()) for cue in cues]
-            there = [scores[cue].values[some] for cue, some in zip(cues, rows, strict=True)]
-            ranking = Scores(np.concatenate(there), layout).decide().ranking
-            ends = np.cumsum([len(some) for some in rows])
-            for cue, some, of_cue in zip(cues, rows, np.split(ranking, ends[:-1]), strict=True):
-                yield self.weights_[cue], some, of_cue
+        counting = {cue: weight for cue, weight in self.weights_.items() if weight > 0}
+        scores = [evidence.scores(cue) for cue in counting]
+        there = np.stack([each.available() for each in scores])
+        # Where each class stands in the ranking of each cue, 0 for first, shape (T, n, M).
+        place = _rankings(scores, there, len(layout.classes)).argsort(axis=2)
+        weights = np.array(list(counting.values()))[:, None] * there
+        total = weights.sum(axis=0)
+        votes = np.einsum("tn,tnm->nm", weights, place == 0)
+        points = np.einsum("tn,tnm->nm", weights, 1 - place / (len(layout.classes) - 1))
+        shares = np.hstack([votes, points]) / np.where(total > 0, total, 1)[:, None]
+        return Scores(told(shares, total > 0), layout)
 
     def _learn(self, evidence: Evidence, codes: NDArray[np.int64]) -> None:
         self.check_cues(self.cues_)
@@ -88,13 +79,29 @@ class Vote(FixedRule):
         self.weights_ = {cue: float(given.get(cue, 1)) for cue in self.cues_}
 
 
-def _alike(layouts: Mapping[str, Layout]) -> list[tuple[Layout, list[str]]]:
-    """Return the cues of each layout."""
-    groups: list[tuple[Layout, list[str]]] = []
-    for cue, layout in layouts.items():
-        same = next((cues for other, cues in groups if other == layout), None)
+def _rankings(scores: Sequence[Scores], there: Mask, m: int) -> NDArray[np.int64]:
+    """Return each cue's ranking of the classes, shape (T, n, M); anything where it is missing."""
+    rankings = np.zeros((*there.shape, m), dtype=np.int64)
+    for layout, numbers in _alike(scores):
+        # Cues of one layout decide together: for one sample a call costs more than its sums.
+        values = np.concatenate([scores[t].values[there[t]] for t in numbers])
+        if len(values) == 0:
+            continue
+        decided, start = Scores(values, layout).decide().ranking, 0
+        for t in numbers:
+            end = start + int(np.count_nonzero(there[t]))
+            rankings[t, there[t]] = decided[start:end]
+            start = end
+    return rankings
+
+
+def _alike(scores: Sequence[Scores]) -> list[tuple[Layout, list[int]]]:
+    """Return the numbers of the cues of each layout."""
+    groups: list[tuple[Layout, list[int]]] = []
+    for number, each in enumerate(scores):
+        same = next((numbers for layout, numbers in groups if layout == each.layout), None)
         if same is None:
-            groups.append((layout, [cue]))
+            groups.append((each.layout, [number]))
         else:
-            same.append(cue)
+            same.append(number)
     return groups

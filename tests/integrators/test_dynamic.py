@@ -273,3 +273,14 @@ def test_the_calibration_keeps_the_order_but_for_the_biases() -> None:
     calibration = Calibration.fit(scores, np.searchsorted(CLASSES, labels), 1.0)
     unbiased = calibration.log_probabilities(scores) - calibration.bias
     assert np.array_equal(unbiased.argmax(axis=1), scores.values.argmax(axis=1))
+
+
+def test_what_a_model_folder_says_must_fit_together() -> None:
+    evidence, labels = dark_half(40, seed=12)
+    dynamic = Dynamic().fit(evidence, labels)
+    dynamic.check_learned()
+    dynamic.weights_ = dynamic.weights_[:1]
+    with pytest.raises(
+        ValueError, match=r"2 cues, biases \(2, 4\), and the others of shapes .*\(1, 2\)"
+    ):
+        dynamic.check_learned()

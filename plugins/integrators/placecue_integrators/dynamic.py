@@ -108,7 +108,9 @@ class Dynamic(Integrator):
         t, m = np.shape(self.biases_)
         shapes = [np.shape(each) for each in (self.slopes_, self.scales_, self.weights_)]
         if shapes != [(t,), (t,), (t, 2)] or len(self.cues_) != t or m < 2:
-            raise ValueError(f"weights of {t} cues, and {len(self.cues_)} names of them")
+            raise ValueError(
+                f"{len(self.cues_)} cues, biases {(t, m)}, and the others of shapes {shapes}"
+            )
 
     def _check_classes(self, names: Sequence[str], n: int) -> None:
         if len(names) < 2:

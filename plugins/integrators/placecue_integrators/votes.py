@@ -31,9 +31,9 @@ class Votes(Layout):
 
     def preference(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how many other classes each class stands before, shape (n, M)."""
-        lead = values[:, :, None] - values[:, None, :]
-        m = len(self.classes)
-        votes, points = lead[:, :m, :m], lead[:, m:, m:]
+        votes, points = (
+            each[:, :, None] - each[:, None, :] for each in np.split(values, 2, axis=1)
+        )
         before = (votes > _LEVEL) | ((np.abs(votes) <= _LEVEL) & (points > _LEVEL))
         return np.asarray(before.sum(axis=2), dtype=np.float64)
 

@@ -137,6 +137,22 @@ def test_a_camera_in_the_dark_counts_less_and_that_beats_fixed_weights() -> None
     assert right > max(alone) + 0.1
 
 
+def test_without_weights_a_sample_each_cue_has_one() -> None:
+    evidence, labels = dark_half(200, seed=2)
+    fixed = Dynamic(penalty=0.5, per_sample=False).fit(evidence, labels)
+    assert np.array_equal(fixed.weights_[:, 0], fixed.weights_[:, 1])
+    logs = log_probabilities(evidence, calibrated(evidence, labels, 0.5))
+
+    def loss(at: np.ndarray) -> float:
+        drawn = 0.5 / (2 * len(labels)) * ((at - 1) ** 2).sum()
+        return balanced_loss(np.einsum("t,tnk->nk", at, logs), labels) + drawn
+
+    found = minimize(loss, np.ones(2), method="SLSQP", bounds=[(0, None)] * 2, tol=1e-12).x
+    assert fixed.weights_[:, 0] == pytest.approx(found, abs=1e-3)
+    expected = softmax(np.einsum("t,tnk->nk", found, logs), axis=1)
+    assert fixed.integrate(evidence).values == pytest.approx(expected, abs=1e-3)
+
+
 def test_a_cue_that_is_worse_than_chance_says_nothing() -> None:
     evidence, labels = dark_half(200, seed=4)
     liar = Scores(-evidence.scores("laser").values, LAYOUT)
@@ -188,8 +204,8 @@ def _pairs() -> tuple[tuple[int, int], ...]:
 def test_what_speaks_for_a_class() -> None:
     pairs = np.array([[3.0, -1, 2, 1, 4, -2]])  # c|k, c|l, c|o, k|l, k|o, l|o
     found = class_evidence(Scores(pairs, OneAgainstOne(CLASSES)))
-    # Margins of corridor 3 - 1 + 2, kitchen -3 + 1 + 4, lab 1 - 1 - 2, office -2 - 4 + 2.
-    assert found[0] == pytest.approx([1.0, 0.5, -0.5, -1.0])
+    # The worst of corridor 3 -1 2, kitchen -3 1 4, lab 1 -1 -2, office -2 -4 2; their mean is -2.5.
+    assert found[0] == pytest.approx([1.5, -0.5, 0.5, -1.5])
     values = np.array([[-1.0, 0.5, 2, 0]])
     modified = class_evidence(Scores(values, ModifiedOneAgainstAll(CLASSES)))
     assert modified[0] == pytest.approx([-0.125, 0.375, -1.125, 0.875])

@@ -50,7 +50,7 @@ RIVALS: dict[str, dict[str, Any]] = {
     "product_probability": {"priors": "training"},
     "max_probability": {},
     "stacking": {"classifier": REGRESSION},
-    "dynamic": {"penalty": 0.5},
+    "dynamic": {"penalty": 0.5, "per_sample": True},
 }
 FIXED = (Vote, MeanProbability, ProductProbability, MaxProbability)
 BY_CLASS = (*FIXED, Dynamic)

@@ -21,16 +21,19 @@ _FARTHEST = 1e6
 def class_evidence(scores: Scores) -> Matrix:
     """Return how much n scores speak for each class, shape (n, M), less the mean over classes.
 
-    Logarithms of probabilities; the mean of a class's margins over the others for one-against-one;
-    the outputs of a decision list, whose ranks say nothing of how sure they are; of every other
-    layout its preference, which for one-against-all is the outputs and for modified
-    one-against-all minus the distances.
+    Logarithms of probabilities; for one-against-one the smallest margin of a class over the others,
+    the paper's confidence asked of each class; the outputs of a decision list, whose ranks say
+    nothing of how sure they are; of every other layout its preference, which for one-against-all is
+    the outputs and for modified one-against-all minus the distances.
     """
     layout, values = scores.layout, scores.values
     if isinstance(layout, Probabilities):
         speaks = np.log(values.clip(_LEAST, 1))
     elif isinstance(layout, OneAgainstOne):
-        speaks = layout.margins(values).mean(axis=2)
+        margins = layout.margins(values)
+        itself = np.arange(margins.shape[1])
+        margins[:, itself, itself] = np.inf
+        speaks = margins.min(axis=2)
     elif isinstance(layout, DecisionList):
         speaks = values
     else:

@@ -38,6 +38,8 @@ class Dynamic(Integrator):
     penalty : float
         Draws u and v to 1, and slope and biases of the calibration to 0, as a normal prior of
         variance 1 / ``penalty`` on standardised scores would; above 0.
+    per_sample : bool
+        False: u_t = v_t, one weight a cue.
 
     Attributes
     ----------
@@ -56,8 +58,9 @@ class Dynamic(Integrator):
     distributions, Statistical Science 1(1), 1986.
     """
 
-    def __init__(self, penalty: float = 1.0) -> None:
+    def __init__(self, penalty: float = 1.0, per_sample: bool = True) -> None:
         self.penalty = penalty
+        self.per_sample = per_sample
 
     def check_parameters(self) -> None:  # noqa: D102
         check_number("penalty", self.penalty, above=0, below=np.inf)
@@ -86,10 +89,7 @@ class Dynamic(Integrator):
         self.slopes_ = np.array([one.slope for one in each])
         self.scales_ = np.array([one.scale for one in each])
         self.biases_ = np.stack([one.bias for one in each])
-        terms = self._terms(evidence, rows)
-        prior = np.ones(terms.shape[1])
-        weights = fitted_weights(terms, codes[rows], prior, np.zeros_like(prior), self.penalty)
-        self.weights_ = weights.reshape(-1, 2)
+        self.weights_ = self._weights(self._terms(evidence, rows), codes[rows])
         return self
 
     def integrate(self, evidence: Evidence) -> Scores:
@@ -102,6 +102,15 @@ class Dynamic(Integrator):
             logits = np.einsum("j,njk->nk", self.weights_.ravel(), self._terms(evidence, rows))
             values[rows] = np.exp(log_softmax(logits))
         return Scores(values, layout)
+
+    def _weights(self, terms: Matrix, codes: NDArray[np.int64]) -> Matrix:
+        """Return u and v of each cue, shape (T, 2)."""
+        n, width, m = terms.shape
+        if not self.per_sample:  # (1 - c) log p + c log p
+            terms = terms.reshape(n, width // 2, 2, m).sum(axis=2)
+        prior = np.ones(terms.shape[1])
+        weights = fitted_weights(terms, codes, prior, np.zeros_like(prior), self.penalty)
+        return np.repeat(weights, width // len(weights)).reshape(-1, 2)
 
     def check_learned(self) -> None:
         """Raise ValueError if what a model folder says does not fit together."""

@@ -285,10 +285,10 @@ def test_a_class_without_held_out_samples_does_no_harm() -> None:
 
 def test_the_calibration_keeps_the_order_but_for_the_biases() -> None:
     evidence, labels = dark_half(200, seed=11)
-    scores = evidence.scores("laser")
-    calibration = Calibration.fit(scores, np.searchsorted(CLASSES, labels), 1.0)
-    unbiased = calibration.log_probabilities(scores) - calibration.bias
-    assert np.array_equal(unbiased.argmax(axis=1), scores.values.argmax(axis=1))
+    speaks = class_evidence(evidence.scores("laser"))
+    calibration = Calibration.fit(speaks, np.searchsorted(CLASSES, labels), 1.0)
+    unbiased = calibration.log_probabilities(speaks) - calibration.bias
+    assert np.array_equal(unbiased.argmax(axis=1), speaks.argmax(axis=1))
 
 
 def test_what_a_model_folder_says_must_fit_together() -> None:

@@ -50,11 +50,11 @@ class Calibration:
 
     Parameters
     ----------
-    slope : float
+    slope : float, or ndarray of float64 of shape (T, 1, 1) for T cues at once
         At least 0; of evidence that is divided by ``scale``.
-    scale : float
+    scale : the same
         Deviation of the evidence on the fitting data.
-    bias : ndarray of float64, shape (M,)
+    bias : ndarray of float64, shape (M,) or (T, 1, M)
         One a class.
 
     References
@@ -63,23 +63,23 @@ class Calibration:
     (temperature); Alexandari, Kundaje and Shrikumar, ICML 2020 (with biases).
     """
 
-    slope: float
-    scale: float
+    slope: float | Matrix
+    scale: float | Matrix
     bias: Matrix
 
     @classmethod
-    def fit(cls, scores: Scores, codes: NDArray[np.int64], penalty: float) -> Self:
+    def fit(cls, evidence: Matrix, codes: NDArray[np.int64], penalty: float) -> Self:
         """Learn from scores that the cue's model has not been trained on, by log loss.
 
         Parameters
         ----------
-        scores : Scores of n samples
+        evidence : ndarray of float64, shape (n, M)
+            The :func:`class_evidence` of n samples.
         codes : ndarray of int64, shape (n,)
             Their classes.
         penalty : float
             See :func:`fitted_weights`.
         """
-        evidence = class_evidence(scores)
         n, m = evidence.shape
         scale = float(np.sqrt(np.mean(evidence**2))) or 1.0
         biases = np.broadcast_to(np.eye(m), (n, m, m))
@@ -88,9 +88,9 @@ class Calibration:
         slope, *bias = fitted_weights(terms, codes, np.zeros(m + 1), least, penalty)
         return cls(float(slope), scale, np.array(bias))
 
-    def log_probabilities(self, scores: Scores) -> Matrix:
-        """Return calibrated log probabilities of n scores, shape (n, M)."""
-        standard = (class_evidence(scores) / self.scale).clip(-_FARTHEST, _FARTHEST)
+    def log_probabilities(self, evidence: Matrix) -> Matrix:
+        """Return calibrated log probabilities, shape (n, M) or (T, n, M) as the evidence."""
+        standard = (evidence / self.scale).clip(-_FARTHEST, _FARTHEST)
         return log_softmax(self.slope * standard + self.bias)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from placecue import DataError, Evidence, Integrator, Probabilities, Scores, check_number
 from placecue_integrators.agreement import class_codes, common_classes
-from placecue_integrators.calibrated import Calibration, certainty
+from placecue_integrators.calibrated import Calibration, certainty, class_evidence
 from placecue_integrators.log_linear import fitted_weights, log_softmax
 
 Matrix = NDArray[np.float64]
@@ -80,26 +80,24 @@ class Dynamic(Integrator):
         self.cues_ = list(evidence.cues)
         classes = common_classes(evidence, self.cues_)
         codes = class_codes(labels, evidence, classes)
-        rows = self._complete(evidence)
-        self._check_classes([classes[code] for code in np.unique(codes[rows])], len(rows))
-        each = [
-            Calibration.fit(evidence.scores(cue)[rows], codes[rows], self.penalty)
-            for cue in self.cues_
-        ]
+        speaks, rows = self._complete(evidence)
+        codes = codes[rows]
+        self._check_classes([classes[code] for code in np.unique(codes)], len(rows))
+        each = [Calibration.fit(of_cue, codes, self.penalty) for of_cue in speaks]
         self.slopes_ = np.array([one.slope for one in each])
         self.scales_ = np.array([one.scale for one in each])
         self.biases_ = np.stack([one.bias for one in each])
-        self.weights_ = self._weights(self._terms(evidence, rows), codes[rows])
+        self.weights_ = self._weights(self._terms(speaks), codes)
         return self
 
     def integrate(self, evidence: Evidence) -> Scores:
         """Return the probabilities of n observations, shape (n, M); NaN where a cue is missing."""
         layout = Probabilities(common_classes(evidence, self.cues_))
-        rows = self._complete(evidence)
+        speaks, rows = self._complete(evidence)
         values = np.full((len(evidence), len(layout.classes)), np.nan)
         if rows.size:
             # einsum adds in one order whatever the number of rows; BLAS does not.
-            logits = np.einsum("j,njk->nk", self.weights_.ravel(), self._terms(evidence, rows))
+            logits = np.einsum("j,njk->nk", self.weights_.ravel(), self._terms(speaks))
             values[rows] = np.exp(log_softmax(logits))
         return Scores(values, layout)
 
@@ -128,18 +126,24 @@ class Dynamic(Integrator):
                 f"({', '.join(self.cues_)}), got {f'{n} of {names[0]}' if n else 'none'}"
             )
 
-    def _complete(self, evidence: Evidence) -> NDArray[np.int64]:
-        """Return the rows that have scores of every cue."""
-        there = np.ones(len(evidence), dtype=bool)
-        for cue in self.cues_:
-            there &= evidence.scores(cue).available()
-        return np.flatnonzero(there)
+    def _complete(self, evidence: Evidence) -> tuple[Matrix, NDArray[np.int64]]:
+        """Return what speaks for each class by each cue, (T, k, M), and which rows have all."""
+        scores = [evidence.scores(cue) for cue in self.cues_]
+        there = scores[0].available()
+        for each in scores[1:]:
+            there &= each.available()
+        rows = np.flatnonzero(there)
+        if rows.size == 0:  # layouts are asked about samples that are there
+            return np.empty((len(scores), 0, 0)), rows
+        return np.stack([class_evidence(each[rows]) for each in scores]), rows
 
-    def _terms(self, evidence: Evidence, rows: NDArray[np.int64]) -> Matrix:
+    def _terms(self, speaks: Matrix) -> Matrix:
         """Return (1 - c_t) log p_t and c_t log p_t of each cue, shape (k, 2 T, M)."""
-        terms = []
-        for cue, *learned in zip(self.cues_, self.slopes_, self.scales_, self.biases_, strict=True):
-            logs = Calibration(*learned).log_probabilities(evidence.scores(cue)[rows])
-            sure = certainty(logs)[:, None]
-            terms += [(1 - sure) * logs, sure * logs]
-        return np.stack(terms, axis=1)
+        # All cues at once: for one sample a call costs more than its sums.
+        column = np.s_[:, None, None]
+        learned = self.slopes_[column], self.scales_[column], self.biases_[:, None]
+        logs = Calibration(*learned).log_probabilities(speaks)
+        sure = certainty(logs)[..., None]
+        pairs = np.stack([(1 - sure) * logs, sure * logs], axis=1)
+        t, _, k, m = pairs.shape
+        return np.ascontiguousarray(np.moveaxis(pairs.reshape(2 * t, k, m), 1, 0))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from placecue.accumulator import Accumulator, AreaUpdate, Boundary
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
-    from placecue.checks import check_choice, check_number, check_whole
+    from placecue.checks import check_choice, check_flag, check_number, check_whole
     from placecue.classifier import Classifier, UnfitSamples, WrongKind, wrong_kind
     from placecue.components.hooks import Component, Kind, hookimpl
     from placecue.cue import Augmentation, Cue
@@ -68,7 +68,14 @@ if TYPE_CHECKING:
     from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
-    from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+    from placecue.scaling import (
+        FamilyScaling,
+        QuantileScaling,
+        RangeScaling,
+        Scaling,
+        StandardScaling,
+    )
+    from placecue.schemes import Schemes, sets_of
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -109,6 +116,7 @@ __all__ = [
     "Evidence",
     "Extracted",
     "Extraction",
+    "FamilyScaling",
     "Faults",
     "Feature",
     "FeatureBatch",
@@ -149,6 +157,7 @@ __all__ = [
     "Role",
     "Rows",
     "Scaling",
+    "Schemes",
     "Scores",
     "SemanticMap",
     "Shuffled",
@@ -167,6 +176,7 @@ __all__ = [
     "allow_estimators",
     "call",
     "check_choice",
+    "check_flag",
     "check_number",
     "check_whole",
     "choices",
@@ -183,6 +193,7 @@ __all__ = [
     "n_samples",
     "provenance",
     "read_geojson",
+    "sets_of",
     "stack",
     "step",
     "take",
@@ -196,7 +207,7 @@ _MODULES = {
     "accumulator": ("Accumulator", "AreaUpdate", "Boundary"),
     "belief": ("Belief",),
     "camera": ("PinholeCamera",),
-    "checks": ("check_choice", "check_number", "check_whole"),
+    "checks": ("check_choice", "check_flag", "check_number", "check_whole"),
     "classifier": ("Classifier", "UnfitSamples", "WrongKind", "wrong_kind"),
     "components.hooks": ("Component", "Kind", "hookimpl"),
     "cue": ("Augmentation", "Cue"),
@@ -242,7 +253,14 @@ _MODULES = {
     "pipeline": ("Pipeline",),
     "progress": ("track",),
     "ownership": ("provenance",),
-    "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
+    "scaling": (
+        "FamilyScaling",
+        "QuantileScaling",
+        "RangeScaling",
+        "Scaling",
+        "StandardScaling",
+    ),
+    "schemes": ("Schemes", "sets_of"),
     "scores": (
         "Decision",
         "DecisionList",

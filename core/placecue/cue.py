@@ -38,6 +38,16 @@ class Cue(Estimator, ABC):
     version: ClassVar[str] = "1"
     learns: ClassVar[bool] = False
 
+    @property
+    def families(self) -> Sequence[str] | None:
+        """The family that each feature of a dense vector belongs to, d names.
+
+        Features of a family say much the same, such as counts at several thresholds; a scaling
+        may weigh families rather than features (:class:`placecue.FamilyScaling`). None, the
+        default, says nothing.
+        """
+        return None
+
     @abstractmethod
     def extract(self, observation: Observation) -> Features:
         """Return the features of one observation.

@@ -59,11 +59,28 @@ def test_a_classifier_may_have_folds_of_its_own(word: str) -> None:
     assert pipeline["cues"]["laser"]["classifier"]["folds"] == blocks
 
 
+def families(**inner: object) -> dict[str, object]:
+    """What the laser's SVM scales by: families of features, on top of another scaling."""
+    return {"plugin": "families", "scaling": inner, "weights": None}
+
+
 @pytest.mark.parametrize(
     ("words", "scaling"),
     [
-        ([], {"plugin": "quantiles", "n_quantiles": 100}),
-        ([f"{LASER}.scaling.n_quantiles=9"], {"plugin": "quantiles", "n_quantiles": 9}),
+        ([], families(plugin="quantiles", n_quantiles=100)),
+        (
+            [f"{LASER}.scaling.scaling.n_quantiles=9"],
+            families(plugin="quantiles", n_quantiles=9),
+        ),
+        ([f"scaling@{LASER}.scaling.scaling=standard"], families(plugin="standard")),
+        (
+            [f"{LASER}.scaling.weights={{fourier: 0.5}}"],
+            {**families(plugin="quantiles", n_quantiles=100), "weights": {"fourier": 0.5}},
+        ),
+        (
+            [f"scaling@{LASER}.scaling=quantiles"],
+            {"plugin": "quantiles", "n_quantiles": 100},
+        ),
         ([f"{LASER}.scaling=range"], {"plugin": "range"}),
         ([f"scaling@{LASER}.scaling=range"], {"plugin": "range"}),
         ([f"{LASER}.scaling=null"], None),
@@ -99,7 +116,7 @@ def test_any_classifier_may_stand_in_a_grid_search() -> None:
 def test_a_search_takes_other_keys_and_gives_up_its_own() -> None:
     words = [f"{LASER}.search.multiclass=[oao,oaa]", f"{LASER}.search.gamma=null"]
     search = described(*ONE, *words)["cues"]["laser"]["classifier"]["search"]
-    assert search == {"C": [1, 10, 100, 1000], "multiclass": ["oao", "oaa"]}
+    assert search == {"C": [1, 10, 100], "multiclass": ["oao", "oaa"]}
     # Where there was none, there is one.
     words = [f"classifier@{LASER}=svm", f"{LASER}.search.C=[1,2]"]
     assert described(*ONE, *words)["cues"]["laser"]["classifier"]["search"] == {"C": [1, 2]}

@@ -98,12 +98,34 @@ def test_one_label_a_sample(make: Callable[[], Integrator]) -> None:
         make().fit(evidence, labels(11))
 
 
-@pytest.mark.parametrize("make", [*BY_CLASS, regression])
+@pytest.mark.parametrize("make", [Dynamic, regression])
 def test_a_cue_that_is_no_longer_there_is_named(make: Callable[[], Integrator]) -> None:
     evidence = StoredEvidence({"crfh": probabilities(), "laser": probabilities(seed=1)})
     fitted = make().fit(evidence, labels())
     with pytest.raises(UsageError, match=r"no evidence of cue 'laser'; available: crfh$"):
         fitted.integrate(StoredEvidence({"crfh": probabilities()}))
+
+
+@pytest.mark.parametrize("kind", FIXED)
+def test_rules_take_evidence_of_some_of_the_cues_as_if_the_others_were_missing(
+    kind: type[Integrator],
+) -> None:
+    both = {"crfh": probabilities(), "laser": probabilities(seed=1)}
+    fitted = kind().fit(StoredEvidence(both), labels())
+    gone = Scores(np.full((12, 4), np.nan), Probabilities(CLASSES))
+    expected = fitted.integrate(StoredEvidence({"crfh": both["crfh"], "laser": gone}))
+    found = fitted.integrate(StoredEvidence({"crfh": both["crfh"]}))
+    assert found.layout == expected.layout
+    assert np.array_equal(found.values, expected.values)
+    said = r"^there is no evidence of any of the cues crfh, laser; available: sonar$"
+    with pytest.raises(UsageError, match=said):
+        fitted.integrate(StoredEvidence({"sonar": both["crfh"]}))
+
+
+def test_votes_that_count_nothing_tell_nothing_alone() -> None:
+    both = {"crfh": probabilities(), "laser": probabilities(seed=1)}
+    fitted = Vote(weights={"laser": 0}).fit(StoredEvidence(both), labels())
+    assert not fitted.integrate(StoredEvidence({"laser": both["laser"]})).available().any()
 
 
 @pytest.mark.parametrize("make", [*BY_CLASS, regression])

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from placecue.contracts.words import all_finite, numbers, rows
+from placecue.contracts.words import all_finite, counted, numbers, rows, shown
 from placecue.errors import described
 from placecue.features import DescriptorSets, FeatureBatch, kind_of
 
@@ -47,6 +48,17 @@ def batch(made: Any, n: int, like: FeatureBatch | None = None) -> str | None:
     else:
         wrong = f"returned {described(made)}, not a batch of features"
     return wrong or rows(made, n) or (None if like is None else _unlike(made, like))
+
+
+def families(made: Any, like: FeatureBatch) -> str | None:
+    """Check the families of features: None, or a name for each column of a batch."""
+    if made is None:
+        return None
+    several = isinstance(made, Sequence) and not isinstance(made, str)
+    if not several or not all(isinstance(name, str) for name in made):
+        return f"is {shown(made)}, not a sequence of names or None"
+    columns = like.shape[1]
+    return None if len(made) == columns else f"names {counted(len(made), 'column')} of {columns}"
 
 
 def finite(made: Any) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -58,6 +58,7 @@ class Prepared:
         scaling: Scaling | None = None,
         rows: Rows | None = None,
         light: bool = False,
+        families: Sequence[str] | None = None,
     ) -> Prepared:
         """Fit copies of kernel and scaling.
 
@@ -70,13 +71,15 @@ class Prepared:
             The samples to fit on; all by default.
         light : bool
             Whether there will be Gram matrices for other light parameters of the kernel.
+        families : sequence of str, optional
+            The family of each feature, for a scaling.
 
         Raises
         ------
         UsageError
             If scaling or kernel cannot take this kind of features.
         """
-        fitted = fitted_scaling(_of_rows(features, rows), scaling)
+        fitted = fitted_scaling(_of_rows(features, rows), scaling, families)
         if fitted is not None:
             features = transformed(fitted, features)
         kernel = clone(kernel)
@@ -126,8 +129,12 @@ def remembering(make: Callable[[Setting], Prepared]) -> Callable[[Setting], Prep
     return prepared
 
 
-def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling | None:
+def fitted_scaling(
+    features: FeatureBatch, scaling: Scaling | None, families: Sequence[str] | None = None
+) -> Scaling | None:
     """Return a copy of a scaling fitted on dense features, shape (n, d); None for none.
+
+    ``families`` names the family of each feature, if that is known.
 
     Raises
     ------
@@ -144,7 +151,7 @@ def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Scaling |
             "choose scaling=null for this cue"
         )
     copy: Scaling = clone(scaling)
-    call(copy, "fit", np.asarray(features))
+    call(copy, "train", np.asarray(features), families)
     return copy
 
 

@@ -145,7 +145,7 @@ class SVM(Classifier):
         training = self.checked(training)
         codes = self.codes(training.repeated(training.labels))
         grid = self._grid()
-        prepare = remembering(self._preparing(grid, training.batch()))
+        prepare = remembering(self._preparing(grid, training))
         folds = self._folds(grid, training, prepare) if self.search or self.probability else []
         best, setting, rows = self, Setting(), np.arange(len(codes))
         if self.search:
@@ -203,7 +203,7 @@ class SVM(Classifier):
         if svm._learns(training, [svm.scaling]):
             yield from super().out_of_fold(training, splits)
             return
-        gram = svm._preparing(svm._grid(), training.batch())({}).gram()
+        gram = svm._preparing(svm._grid(), training)({}).gram()
         codes, extension = svm.codes(training.repeated(training.labels)), svm._extension(svm)
         for rows, held_out in splits:
             flat = training.copies(rows), training.recorded(held_out)
@@ -244,14 +244,14 @@ class SVM(Classifier):
             by_name = "balanced"
         return Multiclass(self.multiclass, names, self.C, by_name)
 
-    def _preparing(self, grid: Grid, features: FeatureBatch) -> Callable[..., Prepared]:
+    def _preparing(self, grid: Grid, training: TrainingSet) -> Callable[..., Prepared]:
         """Return what prepares n samples for the parameters of a grid."""
-        light = bool(grid.lights()[0])
+        light, features, families = bool(grid.lights()[0]), training.batch(), training.families
 
         def prepare(setting: Setting, rows: Rows | None = None) -> Prepared:
             svm = self.with_setting(setting)
             assert svm.kernel is not None
-            return Prepared.of(features, svm.kernel, svm.scaling, rows, light)
+            return Prepared.of(features, svm.kernel, svm.scaling, rows, light, families)
 
         return prepare
 
@@ -265,8 +265,8 @@ class SVM(Classifier):
             return [Folds(lambda: prepare, flat)]
 
         def of_fold(rows: Rows, flat_rows: Rows) -> Callable[[Setting], Prepared]:
-            batch = training.relearned(rows).batch()
-            return remembering(partial(self._preparing(grid, batch), rows=flat_rows))
+            relearned = training.relearned(rows)
+            return remembering(partial(self._preparing(grid, relearned), rows=flat_rows))
 
         return [
             Folds(partial(of_fold, rows, each[0]), [each])

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from placecue import Evidence, Integrator
+from placecue import Evidence, Integrator, UsageError
 from placecue_integrators.agreement import class_codes, common_classes
 
 
@@ -43,6 +43,16 @@ class FixedRule(Integrator, ABC):
         classes = common_classes(evidence, self.cues_)
         self._learn(evidence, class_codes(labels, evidence, classes))
         return self
+
+    def _here(self, evidence: Evidence) -> list[str]:
+        """Return the cues that there is evidence of: it may be of a cue or of all."""
+        here = [cue for cue in self.cues_ if cue in evidence.cues]
+        if not here:
+            raise UsageError(
+                f"there is no evidence of any of the cues {', '.join(self.cues_)}; available: "
+                f"{', '.join(evidence.cues)}"
+            )
+        return here
 
     @abstractmethod
     def _learn(self, evidence: Evidence, codes: NDArray[np.int64]) -> None:

@@ -102,6 +102,12 @@ class JoinedScores(Integrator):
             values[rows] = self.classifier_.scores(self._scaled(joined)).values
         return Scores(values, layout)
 
+    def best(self) -> Self:
+        """Return an unfitted copy with the parameters that the classifier's search found."""
+        copy: Self = clone(self)
+        copy.set_params(classifier=self.classifier_.best())
+        return copy
+
     def _scaled(self, joined: NDArray[np.float64]) -> NDArray[np.float64]:
         return joined if self.scaling_ is None else self.scaling_.transform(joined)
 

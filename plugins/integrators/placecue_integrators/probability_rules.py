@@ -26,8 +26,9 @@ class ProbabilityRule(FixedRule):
 
     def integrate(self, evidence: Evidence) -> Scores:
         """Return the probabilities of n observations, shape (n, M)."""
-        layout = Probabilities(common_classes(evidence, self.cues_))
-        each = np.stack([evidence.scores(cue).values for cue in self.cues_])
+        here = self._here(evidence)
+        layout = Probabilities(common_classes(evidence, here))
+        each = np.stack([evidence.scores(cue).values for cue in here])
         there = np.asarray(~np.isnan(each).any(axis=2))
         joined = self._joined(np.where(there[:, :, None], each, 0).clip(0), there)
         total = joined.sum(axis=1, keepdims=True)

@@ -60,8 +60,11 @@ class Vote(FixedRule):
 
     def integrate(self, evidence: Evidence) -> Scores:
         """Return shares of votes and rank points, shape (n, 2 M), in the layout :class:`Votes`."""
-        layout = Votes(common_classes(evidence, self.cues_))
-        counting = {cue: weight for cue, weight in self.weights_.items() if weight > 0}
+        here = self._here(evidence)
+        layout = Votes(common_classes(evidence, here))
+        counting = {cue: self.weights_[cue] for cue in here if self.weights_[cue] > 0}
+        if not counting:
+            return Scores(np.full((len(evidence), len(layout.columns)), np.nan), layout)
         scores = [evidence.scores(cue) for cue in counting]
         there = np.stack([each.available() for each in scores])
         # Where each class stands in the ranking of each cue, 0 for first, shape (T, n, M).

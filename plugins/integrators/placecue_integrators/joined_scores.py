@@ -1,0 +1,118 @@
+"""A classifier on the joined outputs of all cues: what SVM-DAS and stacking have in common."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from placecue.classifier import Classifier
+from placecue.errors import DataError, UsageError
+from placecue.estimator import clone
+from placecue.evidence import Evidence
+from placecue.folds import Rows
+from placecue.held_out import HeldOut
+from placecue.integrator import Integrator
+from placecue.scaling import Scaling
+from placecue.scores import Scores
+from placecue.training_set import TrainingSet
+
+
+class JoinedScores(Integrator):
+    """Joins the outputs of all cues into one vector, on which a classifier decides.
+
+    Cues may have outputs of any layout, and of different classes.
+
+    Parameters
+    ----------
+    classifier : Classifier
+        Decides on the joined outputs.
+
+    Attributes
+    ----------
+    cues_ : list of str
+        The cues, in the order in which their outputs are joined.
+    scaling_ : Scaling or None
+        Learned on the joined outputs of the fitting data.
+    classifier_ : Classifier
+        The fitted classifier.
+    """
+
+    #: How the outputs are scaled before they reach the classifier.
+    scaled_by: ClassVar[type[Scaling] | None] = None
+    #: What to say where there is no classifier.
+    needs: ClassVar[str]
+
+    def __init__(self, classifier: Classifier | None = None) -> None:
+        self.classifier = classifier
+
+    def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
+        """Learn from scores that the single-cue models have not been trained on.
+
+        See :meth:`placecue.integrator.Integrator.fit`.
+        """
+        times = None if stamps is None else np.asarray(stamps)
+        return self.train(HeldOut(evidence, np.asarray(labels), times))
+
+    def train(self, held_out: HeldOut) -> Self:
+        """Learn from held-out evidence; samples that lack a cue are left out.
+
+        Raises
+        ------
+        UsageError
+            If there is no classifier.
+        DataError
+            If no sample has scores of every cue, or there is not one label for each sample.
+        """
+        if self.classifier is None:
+            raise UsageError(self.needs)
+        if len(held_out.labels) != len(held_out.evidence):
+            raise DataError(
+                f"{len(held_out.labels)} labels for the evidence of {len(held_out.evidence)} "
+                "samples: give one a sample"
+            )
+        self.cues_ = list(held_out.evidence.cues)
+        joined, rows = self._joined(held_out.evidence)
+        if rows.size == 0:
+            raise DataError(f"no sample has scores of all cues ({', '.join(self.cues_)})")
+        complete = held_out.take(rows)
+        self.scaling_ = None if self.scaled_by is None else self.scaled_by().fit(joined)
+        training = TrainingSet(
+            self._scaled(joined),
+            complete.labels,
+            complete.stamps,
+            complete.groups,
+            folds=complete.folds,
+            part=complete.part,
+        )
+        self.classifier_ = clone(self.classifier)
+        self.classifier_.train(training)
+        return self
+
+    def integrate(self, evidence: Evidence) -> Scores:
+        """Return the classifier's outputs on the joined scores, in its own layout.
+
+        NaN for observations that lack a cue.
+        """
+        joined, rows = self._joined(evidence)
+        layout = self.classifier_.layout_
+        values = np.full((len(evidence), len(layout.columns)), np.nan)
+        if rows.size:
+            values[rows] = self.classifier_.scores(self._scaled(joined)).values
+        return Scores(values, layout)
+
+    def best(self) -> Self:
+        """Return an unfitted copy with the parameters that the classifier's search found."""
+        copy: Self = clone(self)
+        copy.set_params(classifier=self.classifier_.best())
+        return copy
+
+    def _scaled(self, joined: NDArray[np.float64]) -> NDArray[np.float64]:
+        return joined if self.scaling_ is None else self.scaling_.transform(joined)
+
+    def _joined(self, evidence: Evidence) -> tuple[NDArray[np.float64], Rows]:
+        """Return the outputs of all cues, shape (k, V), and which observations have them."""
+        joined = np.hstack([evidence.scores(cue).values for cue in self.cues_])
+        rows = np.flatnonzero(~np.isnan(joined).any(axis=1))
+        return joined[rows], rows

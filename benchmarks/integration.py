@@ -68,7 +68,7 @@ def options() -> list[str]:
     """The names of all integrators: option files, and components that have none."""
     files = [name for name in option_files("pkg://placecue_conf") if name.startswith("integrator/")]
     named = {name.removeprefix("integrator/").removesuffix(".yaml") for name in files}
-    return sorted(named | set(REGISTRY.names("integrator")) - {"none"})
+    return sorted((named | set(REGISTRY.names("integrator"))) - {"none"})
 
 
 def integrator(option: str) -> Integrator:
@@ -158,7 +158,7 @@ def one_at_a_time(option: str, every: list[HeldOut]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="leave out the peers of svm_das")
+    parser.add_argument("--quick", action="store_true", help="leave out fitting svm_das")
     quick = parser.parse_args().quick
     every = [held_out(kind(PLACES)) for kind in (OneAgainstOne, OneAgainstAll, Probabilities)]
     fit_gdas(every[0])

@@ -64,7 +64,8 @@ class SVMDAS(Integrator):
         UsageError
             If there is no classifier.
         DataError
-            If no sample has scores of every cue.
+            If no sample has scores of every cue, or none of those that do is of a class that the
+            cues tell apart.
         """
         if self.classifier is None:
             raise UsageError("svm_das needs a classifier, such as classifier={plugin: svm}")
@@ -73,6 +74,7 @@ class SVMDAS(Integrator):
         if rows.size == 0:
             raise DataError(f"no sample has scores of all cues ({', '.join(self.cues_)})")
         complete = held_out.take(rows)
+        self._check_classes(complete)
         self.scaling_ = RangeScaling().fit(joined)
         training = TrainingSet(
             self.scaling_.transform(joined),
@@ -97,6 +99,16 @@ class SVMDAS(Integrator):
         if rows.size:
             values[rows] = self.classifier_.scores(self.scaling_.transform(joined)).values
         return Scores(values, layout)
+
+    def _check_classes(self, complete: HeldOut) -> None:
+        """Raise DataError if a class of any cue is missing: it would never be named."""
+        known = {name for cue in self.cues_ for name in complete.evidence.layout(cue).classes}
+        missing = sorted(known - set(map(str, complete.labels)))
+        if missing:
+            raise DataError(
+                f"svm_das has no sample of {', '.join(missing)} with scores of all cues "
+                f"({', '.join(self.cues_)}), and would never say so: give it some of every class"
+            )
 
     def _joined(self, evidence: Evidence) -> tuple[NDArray[np.float64], Rows]:
         """Return the outputs of all cues, shape (k, V), and which observations have them."""

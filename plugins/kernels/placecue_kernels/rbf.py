@@ -44,10 +44,11 @@ class RBF(DistanceKernel):
         # One sample after another comes by here, so scikit-learn's checks are left out.
         x = np.asarray(a, dtype=np.float64)
         y = x if b is None else np.asarray(b, dtype=np.float64)
-        squared: Gram = x @ y.T
-        squared *= -2
-        squared += np.einsum("ij,ij->i", x, x)[:, None]
-        squared += np.einsum("ij,ij->i", y, y)
+        with np.errstate(over="ignore", invalid="ignore"):  # whoever asked says what is too large
+            squared: Gram = x @ y.T
+            squared *= -2
+            squared += np.einsum("ij,ij->i", x, x)[:, None]
+            squared += np.einsum("ij,ij->i", y, y)
         if not np.isfinite(squared).all() and not (np.isfinite(x).all() and np.isfinite(y).all()):
             raise DataError("the rbf kernel cannot compare vectors that hold NaN or infinity")
         np.maximum(squared, 0, out=squared)

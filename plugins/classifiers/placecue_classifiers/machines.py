@@ -170,7 +170,7 @@ class _Problem:
     @property
     def soon(self) -> int:
         """After how many iterations a machine is left to LIBSVM; at once where a side is empty."""
-        if len(np.unique(self.sides)) < 2:
+        if np.count_nonzero(self.sides == self.first) in (0, len(self.rows)):
             return 0
         return min(SOON * len(self.rows), iteration_limit(len(self.rows)))
 

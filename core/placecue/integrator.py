@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import ClassVar, Self
 
 from numpy.typing import ArrayLike
@@ -37,6 +38,13 @@ class Integrator(Estimator, ABC):
     version: ClassVar[str] = "1"
     gaps: ClassVar[bool] = False
     wants_costs: ClassVar[bool] = False
+
+    def check_cues(self, cues: Sequence[str]) -> None:
+        """Raise UsageError if a parameter names a cue that is not among these.
+
+        A pipeline calls it with all of its cues before anything is trained; :meth:`fit` may be
+        given the evidence of fewer. The default accepts all.
+        """
 
     @abstractmethod
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:

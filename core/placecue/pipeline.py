@@ -115,6 +115,7 @@ class Pipeline:
             )
         self.cues = {name: CueModel.of(model) for name, model in cues.items()}
         self.integrator = OnlyCue() if integrator is None else integrator
+        call(self.integrator, "check_cues", tuple(self.cues))
         self.folds = InterleavedChunks() if folds is None else folds
         self.unknown = unknown
         self.extraction = Extraction()

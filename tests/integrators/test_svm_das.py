@@ -7,9 +7,19 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import MinMaxScaler
 from sklearn.svm import SVC
 
-from placecue import OneAgainstAll, OneAgainstOne, Scores, StoredEvidence, UsageError
+from placecue import (
+    DataError,
+    Kernel,
+    OneAgainstAll,
+    OneAgainstOne,
+    Scores,
+    StoredEvidence,
+    UsageError,
+)
+from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.svm import SVM
 from placecue_integrators.svm_das import SVMDAS
+from placecue_kernels.hi import HistogramIntersection
 from placecue_kernels.linear import Linear
 from placecue_kernels.rbf import RBF
 
@@ -69,6 +79,76 @@ def test_cues_are_joined_in_the_order_of_fitting(
     das = SVMDAS(classifier=SVM(kernel=RBF(gamma=0.1))).fit(evidence, labels)
     turned = StoredEvidence({cue: evidence.scores(cue) for cue in ("laser", "vision")})
     assert (das.integrate(turned).values == das.integrate(evidence).values).all()
+
+
+@pytest.mark.parametrize("kernel", [RBF(gamma=0.1), Linear(), HistogramIntersection()])
+@pytest.mark.parametrize("multiclass", ["oao", "oaa", "modified_oaa"])
+def test_one_cue_and_gaps(
+    labelled: tuple[StoredEvidence, np.ndarray], kernel: Kernel, multiclass: str
+) -> None:
+    evidence, labels = labelled
+    values = evidence.scores("laser").values.copy()
+    values[::7] = np.nan
+    one = StoredEvidence({"laser": Scores(values, evidence.layout("laser"))})
+    das = SVMDAS(classifier=SVM(kernel=kernel, multiclass=multiclass)).fit(one, labels)
+    found = das.integrate(one)
+    assert (found.available() == (np.arange(200) % 7 != 0)).all()
+    there = found.available()
+    assert np.mean(found[there].decide().labels == labels[there]) > 0.6
+    # One at a time is the same as all at once.
+    alone = np.concatenate([das.integrate(one.take([row])).values for row in range(30)])
+    assert alone == pytest.approx(found.values[:30], abs=1e-9, nan_ok=True)
+
+
+def test_histogram_intersection_is_of_scores_less_their_minimum(
+    labelled: tuple[StoredEvidence, np.ndarray],
+) -> None:
+    evidence, labels = labelled
+    svm = SVM(kernel=HistogramIntersection(), C=5.0, multiclass="oaa")
+    das = SVMDAS(classifier=svm).fit(evidence, labels)
+    joined = np.hstack([evidence.scores(cue).values for cue in ("vision", "laser")])
+    scaled = MinMaxScaler((-1, 1)).fit_transform(joined) + 1  # the minimum of each is -1
+    gram = np.minimum(scaled[:, None], scaled[None]).sum(axis=2)
+    for code, name in enumerate(CLASSES):
+        peer = SVC(kernel="precomputed", C=5.0, class_weight="balanced").fit(gram, labels == name)
+        found = das.integrate(evidence).values[:, code]
+        assert found == pytest.approx(peer.decision_function(gram), abs=1e-6)
+
+
+def test_a_boosted_list_and_an_svm_are_joined() -> None:
+    generator = np.random.default_rng(9)
+    codes = np.repeat(np.arange(5), 30)
+    features = generator.normal(size=(150, 5)) + 3 * np.eye(5)[codes]
+    labels = np.array(CLASSES)[codes]
+    fit, held_out = np.arange(0, 150, 2), np.arange(1, 150, 2)
+    models = {
+        "boosted": AdaBoost(rounds=10).fit(features[fit], labels[fit]),
+        "svm": SVM(kernel=RBF(), multiclass="oao").fit(features[fit], labels[fit]),
+    }
+    evidence = StoredEvidence({n: each.scores(features[held_out]) for n, each in models.items()})
+    assert evidence.layout("boosted").name == "decision_list"
+    das = SVMDAS(classifier=SVM(kernel=RBF(), multiclass="oao")).fit(evidence, labels[held_out])
+    assert das.integrate(evidence).layout == OneAgainstOne(CLASSES)
+    assert np.mean(das.integrate(evidence).decide().labels == labels[held_out]) > 0.9
+
+
+def test_a_class_without_a_complete_sample_is_told(
+    labelled: tuple[StoredEvidence, np.ndarray],
+) -> None:
+    evidence, labels = labelled
+    values = evidence.scores("laser").values.copy()
+    values[labels == "lab"] = np.nan
+    gap = StoredEvidence(
+        {
+            "vision": evidence.scores("vision"),
+            "laser": Scores(values, evidence.layout("laser")),
+        }
+    )
+    with pytest.raises(DataError, match=r"no sample of lab has scores of all cues \(vision, las"):
+        SVMDAS(classifier=SVM(kernel=RBF())).fit(gap, labels)
+    values[:] = np.nan
+    with pytest.raises(DataError, match="no sample has scores of all cues"):
+        SVMDAS(classifier=SVM(kernel=RBF())).fit(gap, labels)
 
 
 def test_scikit_learn_contract() -> None:

@@ -2,7 +2,8 @@
 
 LIBSVM (through scikit-learn) solves each binary problem; the Gram matrix is computed once and
 shared by all of them. It stops after a number of iterations that ordinary problems stay far
-below, and Ctrl-C is heard while it works.
+below, and Ctrl-C is heard while it works. A search, which only asks how good a cost is, has the
+machines of pairs from a solver that goes from one cost to the next.
 """
 
 from __future__ import annotations
@@ -20,10 +21,14 @@ from sklearn.svm import SVC
 
 from placecue.interrupting import interruptible
 from placecue_classifiers.convergence import Parted, iteration_limit, note
+from placecue_classifiers.smo import block, path
 
 Matrix = NDArray[np.float64]
 Codes = NDArray[np.int64]
 Weights = Literal["balanced"] | NDArray[np.float64] | None
+#: Iterations a sample after which a search leaves a machine to LIBSVM, which handles what is hard
+#: better: ordinary ones take 1 to 40.
+SOON = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,44 +94,110 @@ def _trained(
     machines = Machines(np.zeros((len(codes), len(parted))), np.zeros(len(parted)))
     unfinished, iterations = [], 0
     for column, classes in enumerate(parted):
-        rows, svc = _solved(gram, codes, C, weights, classes)
-        # scikit-learn's second class is positive.
-        sign = 1.0 if svc.classes_[1] == classes[0] else -1.0
-        machines.coefficients[rows[svc.support_], column] = sign * svc.dual_coef_[0]
-        machines.intercepts[column] = sign * svc.intercept_[0]
-        iterations = max(iterations, int(svc.n_iter_.max()))
-        if svc.fit_status_:
+        problem = _Problem.of(gram, codes, weights, classes)
+        taken, finished = _by_libsvm(problem, C, machines, column)
+        iterations = max(iterations, taken)
+        if not finished:
             unfinished.append(classes)
     note(C, len(parted), unfinished, iterations)
     return machines
 
 
-def _solved(
-    gram: Matrix, codes: Codes, C: float, weights: Weights, classes: Parted
-) -> tuple[Codes, SVC]:
-    """Return the rows that a machine is trained on, shape (k,), and the machine."""
-    if len(classes) == 1:
-        rows, block = np.arange(len(codes)), gram  # the whole matrix is not copied
-        sides = np.where(codes == classes[0], classes[0], -1)
-    else:
-        rows = np.flatnonzero(np.isin(codes, classes))
-        block, sides = gram[np.ix_(rows, rows)], codes[rows]
-    svc = _SVC(kernel="precomputed", C=C, max_iter=iteration_limit(len(rows)))
+def one_against_one_at(
+    gram: Matrix, codes: Codes, costs: Sequence[float], weights: Weights
+) -> list[Machines]:
+    """Train the machines of :func:`one_against_one` with each of some costs, for a search.
+
+    What converges soon is trained by :func:`placecue_classifiers.smo.path`, the rest by LIBSVM:
+    scikit-learn would take longer to hand over so many small problems than LIBSVM to solve them.
+    Outputs differ from LIBSVM's by about its tolerance.
+    """
+    parted = list(combinations(range(int(codes.max()) + 1), 2))
+    return interruptible(partial(_along_costs, gram, codes, costs, weights, parted))
+
+
+def _along_costs(
+    gram: Matrix, codes: Codes, costs: Sequence[float], weights: Weights, parted: Sequence[Parted]
+) -> list[Machines]:
+    order = sorted(set(costs))
+    found = {C: Machines(np.zeros((len(codes), len(parted))), np.zeros(len(parted))) for C in order}
+    unfinished: dict[float, list[Parted]] = {C: [] for C in order}
+    iterations = dict.fromkeys(order, 0)
+    for column, classes in enumerate(parted):
+        problem = _Problem.of(gram, codes, weights, classes)
+        along = path(problem.gram, problem.signs, problem.weights, np.array(order), problem.soon)
+        for k, C in enumerate(order):
+            if along.finished[k]:
+                found[C].coefficients[problem.rows, column] = along.coefficients[k]
+                found[C].intercepts[column] = along.intercepts[k]
+                continue
+            taken, finished = _by_libsvm(problem, C, found[C], column)
+            iterations[C] = max(iterations[C], taken)
+            if not finished:
+                unfinished[C].append(classes)
+    for C in order:
+        note(C, len(parted), unfinished[C], iterations[C])
+    return [found[C] for C in costs]
+
+
+@dataclass(frozen=True, slots=True)
+class _Problem:
+    """What one machine is trained on: k samples of two sides, of which the first is positive."""
+
+    rows: Codes
+    gram: Matrix
+    sides: Codes
+    first: int
+    weights: Matrix
+
+    @classmethod
+    def of(cls, gram: Matrix, codes: Codes, weights: Weights, classes: Parted) -> _Problem:
+        """Take the samples of a pair of classes, or all of them for one against the rest."""
+        if len(classes) == 1:
+            rows, own = np.arange(len(codes)), gram  # the whole matrix is not copied
+        else:
+            rows = np.flatnonzero((codes == classes[0]) | (codes == classes[1]))
+            own = block(gram, rows, rows)
+        first = codes[rows] == classes[0]
+        sides = codes[rows] if len(classes) == 2 else np.where(first, classes[0], -1)
+        return cls(rows, own, sides, classes[0], _of_samples(weights, first, codes[rows]))
+
+    @property
+    def signs(self) -> Matrix:
+        """1 for the samples of the first side, -1 for the others, shape (k,)."""
+        return np.where(self.sides == self.first, 1.0, -1.0)
+
+    @property
+    def soon(self) -> int:
+        """After how many iterations a machine is left to LIBSVM; at once where a side is empty."""
+        if np.count_nonzero(self.sides == self.first) in (0, len(self.rows)):
+            return 0
+        return min(SOON * len(self.rows), iteration_limit(len(self.rows)))
+
+
+def _by_libsvm(problem: _Problem, C: float, machines: Machines, column: int) -> tuple[int, bool]:
+    """Set one column of some machines; return the iterations, and whether they were enough."""
+    svc = _SVC(kernel="precomputed", C=C, max_iter=iteration_limit(len(problem.rows)))
     # The Gram matrix has been looked at once; a search would have it looked at thousands of times.
     with sklearn.config_context(assume_finite=True, skip_parameter_validation=True):
-        return rows, svc.fit(block, sides, _of_samples(weights, sides == classes[0], codes[rows]))
+        svc.fit(problem.gram, problem.sides, problem.weights)
+    # scikit-learn's second class is positive.
+    sign = 1.0 if svc.classes_[1] == problem.first else -1.0
+    machines.coefficients[problem.rows[svc.support_], column] = sign * svc.dual_coef_[0]
+    machines.intercepts[column] = sign * svc.intercept_[0]
+    return int(svc.n_iter_.max()), not svc.fit_status_
 
 
-def _of_samples(weights: Weights, first: NDArray[np.bool_], codes: Codes) -> Matrix | None:
-    """Return the weight of each sample, shape (k,), or None.
+def _of_samples(weights: Weights, first: NDArray[np.bool_], codes: Codes) -> Matrix:
+    """Return the weight of each sample, shape (k,).
 
     LIBSVM multiplies C by it, as by that of a class, which scikit-learn takes longer to work out
     than LIBSVM to train a small machine.
     """
     if weights is None:
-        return None
+        return np.ones(len(codes))
     if not isinstance(weights, str):
-        return np.asarray(weights[codes])
+        return np.asarray(weights[codes], dtype=np.float64)
     count = np.count_nonzero(first)
     return np.where(first, len(first) / (2 * count), len(first) / (2 * (len(first) - count)))
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from placecue_classifiers.machines import (
     Weights,
     one_against_all,
     one_against_one,
+    one_against_one_at,
 )
 
 LAYOUTS: dict[str, type[Layout]] = {
@@ -52,8 +54,8 @@ class Multiclass:
 
     @property
     def same(self) -> tuple[Any, ...]:
-        """What :meth:`trained` depends on: both kinds of one-against-all agree in it."""
-        return self.name == "oao", str(self.weights), self.C
+        """What :meth:`trained` depends on but C: both kinds of one-against-all agree in it."""
+        return self.name == "oao", str(self.weights)
 
     def machines(self, gram: Matrix, codes: Codes) -> Machines:
         """Train the binary machines on an (n, n) Gram matrix, and centre them if need be."""
@@ -63,6 +65,12 @@ class Multiclass:
         """Train the binary machines alone."""
         train = one_against_one if self.name == "oao" else one_against_all
         return train(gram, codes, self.C, self.weights)
+
+    def at_costs(self, gram: Matrix, codes: Codes, costs: Sequence[float]) -> list[Machines]:
+        """Train the binary machines alone, with each of some C in place of this one."""
+        if self.name == "oao":
+            return one_against_one_at(gram, codes, costs, self.weights)
+        return [replace(self, C=C).trained(gram, codes) for C in costs]
 
     def centred(self, machines: Machines, gram: Matrix, codes: Codes) -> Machines:
         """Return modified one-against-all machines with D_j - mean_j in place of D_j, else as is.

@@ -18,6 +18,7 @@ from placecue_classifiers.grid import Grid, Setting
 from placecue_classifiers.machines import Machines
 from placecue_classifiers.multiclass import Multiclass
 from placecue_classifiers.prepared import Prepared, remembering
+from placecue_classifiers.smo import block
 
 Codes = NDArray[np.int64]
 #: The training rows of a fold, and those held out.
@@ -113,13 +114,28 @@ def best_of(table: Table) -> Setting:
 def _predicted(gram: Gram, codes: Codes, split: Split, extensions: Sequence[Multiclass]) -> Codes:
     """Return the classes that the machines of each extension give the held-out rows, (m, T)."""
     training, held_out = split
-    block, of_block = gram[np.ix_(training, training)], codes[training]
-    asked = gram[np.ix_(held_out, training)]
-    trained: dict[tuple[Any, ...], Machines] = {}
+    if all(each.name == "oao" for each in extensions):
+        # Side by side by class, as the machines of pairs take them out.
+        training = training[np.argsort(codes[training], kind="stable")]
+    within, of_rows = block(gram, training, training), codes[training]
+    asked = block(gram, held_out, training)
+    trained = _trained(within, of_rows, extensions)
     predicted = []
-    for extension in extensions:
-        if extension.same not in trained:
-            trained[extension.same] = extension.trained(block, of_block)
-        machines = extension.centred(trained[extension.same], block, of_block)
+    for extension, machines in zip(extensions, trained, strict=True):
+        machines = extension.centred(machines, within, of_rows)
         predicted.append(extension.layout.rank(machines.decide(asked))[:, 0])
     return np.stack(predicted, axis=1)
+
+
+def _trained(gram: Gram, codes: Codes, extensions: Sequence[Multiclass]) -> list[Machines]:
+    """Return the machines of each extension, trained together where only C differs."""
+    costs: dict[tuple[Any, ...], dict[float, None]] = {}
+    for each in extensions:
+        costs.setdefault(each.same, {})[each.C] = None
+    found: dict[tuple[Any, float], Machines] = {}
+    for each in extensions:
+        if (each.same, each.C) not in found:
+            tried = list(costs[each.same])
+            machines = each.at_costs(gram, codes, tried)
+            found |= {(each.same, C): m for C, m in zip(tried, machines, strict=True)}
+    return [found[each.same, each.C] for each in extensions]

@@ -63,7 +63,8 @@ class JoinedScores(Integrator):
         UsageError
             If there is no classifier.
         DataError
-            If no sample has scores of every cue, or there is not one label for each sample.
+            If no sample has scores of every cue, or none of those that do is of a class that the
+            cues tell apart, or there is not one label for each sample.
         """
         if self.classifier is None:
             raise UsageError(self.needs)
@@ -77,6 +78,7 @@ class JoinedScores(Integrator):
         if rows.size == 0:
             raise DataError(f"no sample has scores of all cues ({', '.join(self.cues_)})")
         complete = held_out.take(rows)
+        self._check_classes(complete)
         self.scaling_ = None if self.scaled_by is None else self.scaled_by().fit(joined)
         training = TrainingSet(
             self._scaled(joined),
@@ -107,6 +109,16 @@ class JoinedScores(Integrator):
         copy: Self = clone(self)
         copy.set_params(classifier=self.classifier_.best())
         return copy
+
+    def _check_classes(self, complete: HeldOut) -> None:
+        """Raise DataError if a class of any cue is missing: it would never be named."""
+        known = {name for cue in self.cues_ for name in complete.evidence.layout(cue).classes}
+        missing = sorted(known - set(map(str, complete.labels)))
+        if missing:
+            raise DataError(
+                f"no sample of {', '.join(missing)} has scores of all cues "
+                f"({', '.join(self.cues_)}), so it would never be named: give some of every class"
+            )
 
     def _scaled(self, joined: NDArray[np.float64]) -> NDArray[np.float64]:
         return joined if self.scaling_ is None else self.scaling_.transform(joined)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from placecue.errors import DataError
 from placecue.features import FeatureBatch, FeatureKind, kind_of
@@ -13,6 +15,8 @@ from placecue.kernel import Gram, Kernel
 from .columns import as_csr, check_same_width
 from .inverted_index import index_of
 from .shared import Term, shared_between, shared_within
+
+Matrix: TypeAlias = NDArray[np.float64]
 
 
 class HistogramIntersection(Kernel):
@@ -65,25 +69,50 @@ class HistogramIntersection(Kernel):
             If a value is NaN, or negative and not shifted.
         """
         self.check(a, b)
+        if self._shifts(a) and (b is None or self._shifts(b)):
+            return self._intersections(a, a if b is None else b)
         if b is None:
-            index = index_of(self._shifted(a))
+            index = index_of(a)
             _check(index.smallest)
             gram = shared_within(index, Term.SMALLER)
             np.fill_diagonal(gram, index.totals)
             return gram
         check_same_width(a, b)
-        index, rows = index_of(self._shifted(b)), as_csr(self._shifted(a))
+        index, rows = index_of(b), as_csr(a)
         _check(index.smallest)
         _check(float(rows.data.min(initial=np.inf)))
         return shared_between(rows, index, Term.SMALLER)
 
-    def _shifted(self, batch: FeatureBatch) -> FeatureBatch:
-        """Return the batch, shifted if it is to be; itself where there is nothing to shift."""
+    def _shifts(self, batch: FeatureBatch) -> bool:
+        """Tell whether a batch is to be shifted, after which hardly a value is 0."""
         minimum = getattr(self, "minimum_", None)
-        if minimum is None or kind_of(batch) is not FeatureKind.DENSE or not minimum.any():
-            return batch
-        check_same_width(batch, minimum[None])
-        return np.maximum(np.asarray(batch, dtype=np.float64) - minimum, 0)
+        return minimum is not None and kind_of(batch) is FeatureKind.DENSE and bool(minimum.any())
+
+    def _intersections(self, a: FeatureBatch, b: FeatureBatch) -> Gram:
+        """Return the intersections of shifted batches, bin by bin."""
+        check_same_width(a, b)
+        x = self._shifted(a)
+        return np.asarray(_smaller_sums(x, x if b is a else self._shifted(b)))
+
+    def _shifted(self, batch: FeatureBatch) -> Matrix:
+        check_same_width(batch, self.minimum_[None])
+        shifted = np.maximum(np.asarray(batch, dtype=np.float64) - self.minimum_, 0)
+        _check(float(shifted.min(initial=np.inf)))
+        return np.ascontiguousarray(shifted)
+
+
+# reassoc: a sum in any order, so that several bins are added up at a time.
+@njit(cache=True, nogil=True, fastmath={"reassoc"})
+def _smaller_sums(a: Matrix, b: Matrix) -> Any:
+    """Return sum_k min(a[i, k], b[j, k]), shape (n, m); neither holds NaN."""
+    sums = np.empty((len(a), len(b)))
+    for i in range(len(a)):
+        for j in range(len(b)):
+            total = 0.0
+            for k in range(a.shape[1]):
+                total += a[i, k] if a[i, k] < b[j, k] else b[j, k]
+            sums[i, j] = total
+    return sums
 
 
 def _check(smallest: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from sklearn.metrics.pairwise import euclidean_distances
+import numpy as np
 
 from placecue.errors import DataError
 from placecue.features import FeatureBatch, FeatureKind
@@ -41,8 +41,17 @@ class RBF(DistanceKernel):
         self.check(a, b)
         if b is not None:
             check_same_width(a, b)
-        try:
-            squared: Gram = euclidean_distances(a, b, squared=True)
-        except ValueError as error:
-            raise DataError(f"the rbf kernel cannot compare these vectors: {error}") from error
+        # One sample after another comes by here, so scikit-learn's checks are left out.
+        x = np.asarray(a, dtype=np.float64)
+        y = x if b is None else np.asarray(b, dtype=np.float64)
+        with np.errstate(over="ignore", invalid="ignore"):  # whoever asked says what is too large
+            squared: Gram = x @ y.T
+            squared *= -2
+            squared += np.einsum("ij,ij->i", x, x)[:, None]
+            squared += np.einsum("ij,ij->i", y, y)
+        if not np.isfinite(squared).all() and not (np.isfinite(x).all() and np.isfinite(y).all()):
+            raise DataError("the rbf kernel cannot compare vectors that hold NaN or infinity")
+        np.maximum(squared, 0, out=squared)
+        if b is None:
+            np.fill_diagonal(squared, 0)
         return squared

@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from placecue.pipeline import Pipeline
     from placecue.progress import track
     from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+    from placecue.scene_folds import Scenes
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -149,6 +150,7 @@ __all__ = [
     "Role",
     "Rows",
     "Scaling",
+    "Scenes",
     "Scores",
     "SemanticMap",
     "Shuffled",
@@ -253,6 +255,7 @@ _MODULES = {
         "Probabilities",
         "Scores",
     ),
+    "scene_folds": ("Scenes",),
     "semantic_map": ("UNKNOWN", "Area", "Node", "SemanticMap"),
     "source": ("Source",),
     "training_set": ("TrainingSet",),

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
@@ -15,8 +14,9 @@ from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.augmentation import augmentations_of, augmented, told_apart
+from placecue.learning.grouping import groups_of
 from placecue.learning.samples import Samples, rows_in
-from placecue.observation import Observation, Origin, Part
+from placecue.observation import Observation, Part
 from placecue.progress import track
 from placecue.source import guarded
 
@@ -104,14 +104,17 @@ def collect(
         usable = _usable([each for _, each in some], required, bool(learning), faults)
         seen = [some[row] for row in usable]
         rows = _extract(gathered, [each for _, each in seen], faults)
-        kept += [(o.label, o.stamp, number, o.origin) for number, o in (seen[row] for row in rows)]
+        kept += [
+            (o.label, o.stamp, number, o.origin, o.scene)
+            for number, o in (seen[row] for row in rows)
+        ]
     _check(reading, faults)
-    labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
+    labels, stamps, positions, origins, scenes = map(list, zip(*kept, strict=True))
     names = (n for n, cue in cues.items() if not cue.learns)
     return Samples(
         labels=np.asarray(labels, dtype=np.str_),
         stamps=np.asarray(stamps, dtype=np.int64),
-        groups=_groups(origins),
+        groups=groups_of(origins, scenes),
         extracted={n: each.joined() for n, each in zip(names, gathered, strict=True)},
         observations=observations,
         positions=np.asarray(positions, dtype=np.int64),
@@ -172,14 +175,6 @@ def _extract(
     for of_cue, views in zip(gathered, found, strict=True):
         of_cue.keep(views, rows)
     return rows
-
-
-def _groups(origins: Sequence[Origin | None]) -> NDArray[np.int64] | None:
-    """Return the log of each sample as a number; None where that is not known of all."""
-    logs = [origin.log for origin in origins if origin is not None]
-    if len(logs) < len(origins):
-        return None
-    return np.unique(logs, return_inverse=True)[1].astype(np.int64)
 
 
 def _check(reading: _Labelled, faults: Faults) -> None:

@@ -196,6 +196,18 @@ def test_no_cut_of_a_pipeline_parts_a_scene(
     assert not any(training & held_out for training, held_out in Watched.cuts)
 
 
+def test_folds_that_part_scenes_are_said_once(caplog: pytest.LogCaptureFixture) -> None:
+    Pipeline({"beams": (Beams(), SVM(RBF(0.1)))}, None, Scenes(2)).collect(clips())
+    assert not caplog.records
+    # Stays of 4 at 5 Hz in chunks of 0.4 s: each of the 24 scenes is parted.
+    Pipeline({"beams": (Beams(), SVM(RBF(0.1)))}, None, InterleavedChunks(2, 0.4)).collect(clips())
+    (record,) = caplog.records
+    assert "folds InterleavedChunks part 24 of 24 scenes" in record.message
+    caplog.clear()
+    Pipeline({"beams": (Beams(), SVM(RBF(0.1)))}, None, ByLog()).collect(clips())
+    assert not caplog.records  # of one log; whoever cuts says so
+
+
 def test_a_training_set_cuts_scenes_of_a_part() -> None:
     labels = np.array([*"aabbaabb"])
     groups = np.column_stack([np.zeros(8, int), np.repeat([0, 1, 2, 3], 2)])

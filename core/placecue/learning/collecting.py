@@ -14,7 +14,7 @@ from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.augmentation import augmentations_of, augmented, told_apart
-from placecue.learning.grouping import groups_of
+from placecue.learning.grouping import groups_of, say_parted
 from placecue.learning.samples import Samples, rows_in
 from placecue.observation import Observation, Part
 from placecue.progress import track
@@ -111,7 +111,7 @@ def collect(
     _check(reading, faults)
     labels, stamps, positions, origins, scenes = map(list, zip(*kept, strict=True))
     names = (n for n, cue in cues.items() if not cue.learns)
-    return Samples(
+    samples = Samples(
         labels=np.asarray(labels, dtype=np.str_),
         stamps=np.asarray(stamps, dtype=np.int64),
         groups=groups_of(origins, scenes),
@@ -123,6 +123,8 @@ def collect(
         folds=InterleavedChunks() if folds is None else folds,
         skip=skip,
     )
+    say_parted(samples.folds, samples.labels, samples.stamps, samples.groups)
+    return samples
 
 
 class _Labelled:

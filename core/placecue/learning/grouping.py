@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.errors import DataError
+from placecue.folds import FoldScheme, cut
 from placecue.observation import Origin
+
+log = logging.getLogger(__name__)
 
 
 def groups_of(
@@ -33,11 +38,41 @@ def groups_of(
     named = any(scene is not None for scene in scenes)
     if not known and not named:
         return None
-    log = _numbers(logs) if known else np.zeros(len(origins), dtype=np.int64)
+    numbers = _numbers(logs) if known else np.zeros(len(origins), dtype=np.int64)
     if not named:
-        return log
-    pairs = [f"{number} {scene or ''}" for number, scene in zip(log, scenes, strict=True)]
-    return np.column_stack([log, _numbers(pairs)])
+        return numbers
+    pairs = [f"{number} {scene or ''}" for number, scene in zip(numbers, scenes, strict=True)]
+    return np.column_stack([numbers, _numbers(pairs)])
+
+
+def say_parted(
+    folds: FoldScheme,
+    labels: NDArray[np.str_],
+    stamps: NDArray[np.int64],
+    groups: NDArray[np.int64] | None,
+) -> None:
+    """Warn if folds hold out a part of a scene: what they say of the rest flatters.
+
+    Parameters
+    ----------
+    folds : FoldScheme
+    labels, stamps, groups
+        Of n samples; nothing is said where no scenes are known.
+    """
+    if groups is None or groups.ndim < 2:
+        return
+    scenes = groups[:, 1]
+    try:
+        splits = cut(folds, labels, stamps, groups)
+    except DataError:
+        return  # said by whoever cuts
+    parted = {name for rows, held in splits for name in np.intersect1d(scenes[rows], scenes[held])}
+    if parted:
+        log.warning(
+            f"folds {type(folds).__name__} part {len(parted)} of {len(np.unique(scenes))} scenes, "
+            "whose observations are near-copies, so that what is searched and judged in them "
+            "flatters: folds=scenes keeps scenes whole"
+        )
 
 
 def _numbers(names: Sequence[str]) -> NDArray[np.int64]:

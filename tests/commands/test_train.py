@@ -116,7 +116,7 @@ def test_frames_in_scenes(tmp_path: Path) -> None:
     _, manifest = trained(tmp_path / "m", *words, *scenes, *cue)
     assert manifest["pipeline"]["folds"] == {"plugin": "scenes", "n_folds": 5}
     assert manifest["classes"] == ["attic", "office"]
-    # Fifths of 12 frames: 0-2, 3-4, 5-7, 8-9, 10-11. Of the scenes 0-2, 3-5, 6-8, 9-11 one is whole.
+    # Fifths of 12 frames are 0-2, 3-4, 5-7, 8-9, 10-11: of scenes of three each parts all but one.
     told = placecue("train", *words, *scenes, *cue, "folds=blocks", f"out={tmp_path / 'n'}")
     assert told.status == 0
     assert told.line.startswith("folds Blocks part 6 of 8 scenes")

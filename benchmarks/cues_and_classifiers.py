@@ -37,7 +37,8 @@ from placecue.components.manager import load_plugins
 from placecue.components.options import register_with_hydra
 from placecue.components.pipelines import build_pipeline
 from placecue.errors import PlacecueError
-from placecue.folds import FoldScheme, Rows
+from placecue.folds import FoldScheme, Rows, cut
+from placecue.learning.grouping import groups_of
 from placecue.training_set import TrainingSet
 
 PAGE = Path(__file__).parents[1] / "docs" / "cues_and_classifiers.md"
@@ -78,6 +79,19 @@ class Log:
         ]
         self.labels = np.array([each.label for each in self.observations])
         self.stamps = np.array([each.stamp for each in self.observations])
+        origins, scenes = zip(*((o.origin, o.scene) for o in self.observations), strict=True)
+        self.groups = groups_of(origins, scenes)
+
+    def cut(self, scheme: FoldScheme, rows: Rows) -> list[tuple[Rows, Rows]]:
+        """Return (training rows, held-out rows) of each fold of the given rows."""
+        return cut(scheme, self.labels[rows], self.stamps[rows], self._groups(rows))
+
+    def scenes(self, rows: Rows) -> list[str | None]:
+        """Return the scenes of observations."""
+        return [self.observations[row].scene for row in rows]
+
+    def _groups(self, rows: Rows) -> NDArray[np.int64] | None:
+        return None if self.groups is None else self.groups[rows]
 
     def fresh(self, rows: Iterable[int]) -> Iterator[Observation]:
         """Yield copies of observations, so that decoded images are not kept."""
@@ -88,9 +102,8 @@ class Log:
         copies = [cue.transform(map(augment, self.fresh(rows))) for augment in cue.augmentations()]
         recorded = cue.transform(self.fresh(rows))
         which = np.asarray(rows)
-        return TrainingSet(
-            recorded, self.labels[which], self.stamps[which], augmented=tuple(copies)
-        )
+        about = self.labels[which], self.stamps[which], self._groups(which)
+        return TrainingSet(recorded, *about, augmented=tuple(copies))
 
 
 class LearnedFeatures:
@@ -133,11 +146,13 @@ class Bench:
         self.data = data
         self.log: tuple[tuple[str, Config], Log] | None = None
 
-    def run(self, row: Row, columns: Sequence[str]) -> None:
-        """Run those of the given columns that a row has."""
+    def run(self, row: Row, tests: Sequence[str], columns: Sequence[str]) -> None:
+        """Run those of the given tests and columns that a row has."""
         self.samples: TrainingSet | None = None
         self.grams: dict[str, Grams] = {}
         for test, of_test in row.columns.items():
+            if test not in tests:
+                continue
             cells = {
                 Cell(row.part, row.name, test, name): row.overrides(name)
                 for name in of_test
@@ -151,10 +166,10 @@ class Bench:
 
     def _fold(self, row: Row, test: str, number: int, missing: dict[Cell, list[str]]) -> None:
         """Run the given cells of one outer fold."""
-        fold, truth = self._samples(row, test, number)
+        fold, truth, scenes = self._samples(row, test, number)
         for cell, overrides in missing.items():
             start = perf_counter()
-            told: dict[str, Any] = {"truth": truth.tolist()}
+            told: dict[str, Any] = {"truth": truth.tolist(), "scenes": scenes}
             try:
                 told |= fold.outcome(components(config_of(overrides))[1], cell.column)
             except PlacecueError as error:
@@ -163,15 +178,17 @@ class Bench:
             self.results.keep(cell, number, overrides, told)
             print(*cell, number, f"{told['seconds']} s", told.get("error", ""), flush=True)
 
-    def _samples(self, row: Row, test: str, number: int) -> tuple[Fold, NDArray[np.str_]]:
-        """Return the samples of an outer fold, and the classes of those held out."""
+    def _samples(
+        self, row: Row, test: str, number: int
+    ) -> tuple[Fold, NDArray[np.str_], list[str | None]]:
+        """Return the samples of an outer fold, and the classes and scenes of those held out."""
         config = config_of(row.overrides(EXTENSIONS[0]))
         part, log = PARTS[row.part], self._log(row.part, config["source"])
         classes = part.tests[test]
         rows = np.flatnonzero([classes is None or label in classes for label in log.labels])
         outer = {"plugin": part.scheme, "n_folds": part.outer}
         scheme: FoldScheme = build(outer, "folds", REGISTRY)
-        training, held_out = list(scheme.split(log.labels[rows], log.stamps[rows]))[number]
+        training, held_out = log.cut(scheme, rows)[number]
         cue, truth = components(config)[0], log.labels[rows[held_out]]
         if cue.learns:
             fold = Fold(LearnedFeatures(log, cue, rows)(training), training, held_out, {})
@@ -179,7 +196,7 @@ class Bench:
             if self.samples is None:
                 self.samples = log.samples(cue, range(len(log.labels)))
             fold = Fold(self.samples, rows[training], rows[held_out], self.grams)
-        return fold, truth
+        return fold, truth, log.scenes(rows[held_out])
 
     def _log(self, part: str, config: Config) -> Log:
         """Return the log of a part and its source's config, the last one from memory."""
@@ -192,7 +209,15 @@ def main() -> None:
     """Run what is missing, then write the page."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", type=Path, help="where finished folds are kept")
-    parser.add_argument("--parts", nargs="*", choices=PARTS, default=list(PARTS))
+    parser.add_argument(
+        "--parts",
+        nargs="*",
+        choices=PARTS,
+        default=list(PARTS),
+        help="whose tables are made",
+    )
+    tests = sorted({test for part in PARTS.values() for test in part.tests})
+    parser.add_argument("--tests", nargs="*", choices=tests, default=tests)
     rows = [*ROWS, *(row for of_cue in TRIED.values() for row in of_cue if row not in ROWS)]
     cues = sorted({name for row in rows for name in (row.name, row.cue)})
     columns = sorted({name for row in rows for of_test in row.columns.values() for name in of_test})
@@ -205,8 +230,8 @@ def main() -> None:
     bench = Bench(Results(given.folder), Path(os.environ["PLACECUE_DATA"]))
     for row in rows:
         if row.part in given.parts and {row.name, row.cue} & set(given.cues):
-            bench.run(row, given.classifiers)
-    write(given.page, bench.results)
+            bench.run(row, given.tests, given.classifiers)
+    write(given.page, bench.results, given.parts)
 
 
 if __name__ == "__main__":

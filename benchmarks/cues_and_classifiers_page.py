@@ -55,10 +55,12 @@ PROTOTYPE = {
 }
 
 
-def write(page: Path, results: Results) -> None:
-    """Put the tables of what is finished into the page, and print them."""
+def write(page: Path, results: Results, parts: Sequence[str]) -> None:
+    """Put the tables of some parts into the page, as far as they are finished, and print them."""
     text = page.read_text()
     for name, table in TABLES.items():
+        if ("nyuv2" if name in OF_FRAMES else "maps_360") not in parts:
+            continue
         made = table(results)
         text = filled(text, name, made)
         print(f"{name}\n\n{made}\n")
@@ -132,7 +134,8 @@ def _grid(results: Results, rows: Sequence[Row], test: str, columns: Sequence[st
     below = [f"({number}) {text}" for number, text in enumerate(notes.texts, start=1)]
     if errors:
         spread = f"{min(errors):.1f} to {max(errors):.1f}"
-        below.insert(0, f"Standard error of a figure, were the samples independent: {spread}.")
+        how = "over scenes" if rows[0].part == "nyuv2" else "were the samples independent"
+        below.insert(0, f"Standard error of a figure, {how}: {spread}.")
     head = ["cue", *(HEADS.get(column, column) for column in columns)]
     return "\n\n".join([markdown(head, lines), *below])
 
@@ -203,6 +206,8 @@ def _buildings(results: Results) -> str:
     return markdown(["cue", "classifier", *BUILDINGS], lines)
 
 
+#: The tables of frames; the others are of floor plans.
+OF_FRAMES = ("eight", "kernels", "four", "tried")
 TABLES: dict[str, Callable[[Results], str]] = {
     "eight": lambda results: _grid(results, _rows("eight"), "eight", _with_search(LONG)),
     "kernels": lambda results: _grid(results, _rows("eight"), "eight", KERNELS),

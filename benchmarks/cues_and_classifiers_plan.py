@@ -73,7 +73,7 @@ PARTS = {
     "nyuv2": Part(
         source=("source=nyuv2", "source.min_frames=20"),
         paths=["nyuv2"],
-        scheme="blocks",
+        scheme="scenes",
         outer=5,
         inner=5,
         tests={"eight": None, "four": FOUR},

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scene_bootstrap import SceneBootstrap
 from sklearn.metrics import recall_score
 
 
@@ -75,7 +76,14 @@ def balanced_accuracy(folds: list[dict[str, Any]]) -> float:
 
 
 def standard_error(folds: list[dict[str, Any]]) -> float:
-    """Return that of the balanced accuracy, were the samples independent, percent points."""
+    """Return that of the balanced accuracy, percent points.
+
+    Over scenes, by drawing them anew, where they are known; else as if samples were independent.
+    """
+    scenes = [scene for fold in folds for scene in fold.get("scenes", [None])]
+    if None not in scenes:
+        truth, predicted = ([each for f in folds for each in f[n]] for n in ("truth", "predicted"))
+        return SceneBootstrap(truth, scenes, draws=1000).error(predicted)
     each = recalls(folds).values()
     return 100 * float(np.sqrt(sum(r * (1 - r) / n for r, n in each)) / len(each))
 

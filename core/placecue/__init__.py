@@ -75,6 +75,7 @@ if TYPE_CHECKING:
         Scaling,
         StandardScaling,
     )
+    from placecue.scene_folds import Scenes
     from placecue.schemes import Schemes, sets_of
     from placecue.scores import (
         Decision,
@@ -157,6 +158,7 @@ __all__ = [
     "Role",
     "Rows",
     "Scaling",
+    "Scenes",
     "Schemes",
     "Scores",
     "SemanticMap",
@@ -271,6 +273,7 @@ _MODULES = {
         "Probabilities",
         "Scores",
     ),
+    "scene_folds": ("Scenes",),
     "semantic_map": ("UNKNOWN", "Area", "Node", "SemanticMap"),
     "source": ("Source",),
     "training_set": ("TrainingSet",),

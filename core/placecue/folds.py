@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,7 +25,15 @@ class FoldScheme(Estimator, ABC):
     ----------
     n_folds : int
         Number of folds, two or more.
+
+    Attributes
+    ----------
+    keeps : {"scene", "log"}
+        What :meth:`assign` is told as ``groups``: the scene of each sample where a source knows
+        scenes, else its log; or always its log.
     """
+
+    keeps: ClassVar[Literal["scene", "log"]] = "scene"
 
     def __init__(self, n_folds: int = 5) -> None:
         self.n_folds = n_folds
@@ -51,8 +59,21 @@ class FoldScheme(Estimator, ABC):
         stamps : array of int, shape (n,), optional
             Time of each sample, ns. Without it samples count as one every 0.2 s.
         groups : array of int, shape (n,), optional
-            What each sample is of, such as its log or its scene.
+            What each sample is of, its log or its scene; see :attr:`keeps`.
         """
+
+    def kept_together(self, groups: ArrayLike | None) -> NDArray[Any] | None:
+        """Return what :meth:`assign` is told, shape (n,), of groups as a training set has them.
+
+        Parameters
+        ----------
+        groups : array of int, shape (n,) or (n, 2), optional
+            The log of each sample; or the log and the scene, these numbered over all logs.
+        """
+        if groups is None:
+            return None
+        known = np.asarray(groups)
+        return known if known.ndim < 2 else known[:, 0 if self.keeps == "log" else -1]
 
     def split(
         self,
@@ -61,6 +82,8 @@ class FoldScheme(Estimator, ABC):
         groups: ArrayLike | None = None,
     ) -> Iterator[tuple[Rows, Rows]]:
         """Yield (training rows, held-out rows) for each fold; see :meth:`assign`.
+
+        Groups may have the columns log and scene; see :meth:`kept_together`.
 
         Every class is in the training rows of every fold: a fold that would take away the whole
         of a class leaves that class's samples in training and does not score them. Folds that
@@ -83,7 +106,7 @@ class FoldScheme(Estimator, ABC):
                 "class: record more of it, or drop it"
             )
         check = partial(promised, n=len(labels), n_folds=self.n_folds)
-        fold = call(self, "assign", labels, stamps, groups, check=check)
+        fold = call(self, "assign", labels, stamps, self.kept_together(groups), check=check)
         rows = np.arange(len(labels))
         empty = True
         for number in range(self.n_folds):
@@ -116,14 +139,14 @@ def cut(
     ----------
     scheme : FoldScheme
     labels, stamps, groups
-        Of n samples; see :meth:`FoldScheme.assign`.
+        Of n samples; see :meth:`FoldScheme.split`.
     part : bool
         Whether they are what is left of some samples, in a fold, say. Where the scheme cannot cut
         that, it is cut into interleaved chunks: of two logs, each fold of ``by_log`` leaves one.
     """
 
     def split() -> list[Any]:
-        return list(scheme.split(labels, stamps, groups))
+        return list(scheme.split(labels, stamps, scheme.kept_together(groups)))
 
     check = partial(parted, n=len(np.asarray(labels)))
     try:
@@ -282,6 +305,8 @@ class ByLog(FoldScheme):
         Hold out the last log only (train on the first sequence, test on the second), or each in
         turn.
     """
+
+    keeps: ClassVar[Literal["scene", "log"]] = "log"
 
     def __init__(self, n_folds: int = 5, gap: float = 60.0, only_last: bool = False) -> None:
         super().__init__(n_folds)

@@ -28,8 +28,8 @@ class HeldOut:
         Their classes.
     stamps : ndarray of int64, shape (n,), optional
         Their times, ns.
-    groups : ndarray of int64, shape (n,), optional
-        What belongs together, such as the samples of one log.
+    groups : ndarray of int64, shape (n,) or (n, 2), optional
+        What belongs together: the log of each sample, and its scene where a source knows scenes.
     folds : FoldScheme
         How an integrator that holds samples out cuts them, unless it has a scheme of its own.
     part : bool

@@ -248,9 +248,22 @@ class Observation:
         observations always know.
     log_name : str
         What to call the log it is of, in messages.
+    scene : str or None
+        Which part of the log it belongs to, where a source knows: one visit of one room, say.
+        Observations of one scene are near-copies, so the folds ``scenes`` never part them.
     """
 
-    __slots__ = ("_decoded", "image_source", "label", "log_name", "origin", "pose", "scan", "stamp")
+    __slots__ = (
+        "_decoded",
+        "image_source",
+        "label",
+        "log_name",
+        "origin",
+        "pose",
+        "scan",
+        "scene",
+        "stamp",
+    )
 
     stamp: int
     image_source: Image | Callable[[], Image] | None
@@ -259,6 +272,7 @@ class Observation:
     label: str | None
     origin: Origin | None
     log_name: str
+    scene: str | None
     _decoded: Image | None
 
     def __init__(
@@ -271,6 +285,7 @@ class Observation:
         label: str | None = None,
         origin: Origin | None = None,
         log_name: str = "",
+        scene: str | None = None,
     ) -> None:
         keep = partial(object.__setattr__, self)
         keep("stamp", stamp)
@@ -280,6 +295,7 @@ class Observation:
         keep("label", label)
         keep("origin", origin)
         keep("log_name", log_name)
+        keep("scene", scene)
         keep("_decoded", None)
 
     def __setattr__(self, name: str, value: object) -> Never:
@@ -366,7 +382,7 @@ class Observation:
         return Observation(self.stamp, **(self._parts() | changed))
 
     def _parts(self) -> dict[str, Any]:
-        names = ("scan", "pose", "label", "origin", "log_name")
+        names = ("scan", "pose", "label", "origin", "log_name", "scene")
         return {"image": self.image_source} | {name: getattr(self, name) for name in names}
 
     def __reduce__(self) -> tuple[Any, ...]:

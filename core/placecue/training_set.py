@@ -26,8 +26,9 @@ class TrainingSet:
         Their classes.
     stamps : array of int, shape (n,), optional
         Their times, ns.
-    groups : array of int, shape (n,), optional
-        What belongs together, such as the samples of one log; folds may keep it together.
+    groups : array of int, shape (n,) or (n, 2), optional
+        What belongs together, for folds to keep together: the log of each sample, and its scene
+        where a source knows scenes.
     augmented : tuple of batches of n samples
         Of copies that are trained on and never scored, a batch an augmentation.
     folds : FoldScheme

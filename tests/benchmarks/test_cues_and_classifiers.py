@@ -71,6 +71,24 @@ def test_scores_pool_the_folds(results):
     assert results.standard_error(folds) == pytest.approx(100 * 0.25**0.5 / 4)
 
 
+def test_errors_are_over_scenes_where_these_are_known(results):
+    # Ten frames each of two scenes, one right and one wrong: a recall of 0, 1/2 or 1, so that its
+    # standard deviation is 35 points, where single frames would have 11.
+    fold = {"truth": ["a"] * 20, "predicted": ["a"] * 10 + ["b"] * 10}
+    error = results.standard_error([{**fold, "scenes": ["1"] * 10 + ["2"] * 10}])
+    assert error == pytest.approx(100 / 8**0.5, abs=2)
+    assert results.standard_error([fold]) == pytest.approx(100 / 80**0.5)
+
+
+def test_only_the_tables_of_the_given_parts_are_made(page, results, tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "TABLES", {"four": lambda _: "frames", "two": lambda _: "plans"})
+    path = tmp_path / "page.md"
+    text = "<!-- table four -->\nold\n<!-- end -->\n<!-- table two -->\nold\n<!-- end -->\n"
+    path.write_text(text)
+    page.write(path, results.Results(tmp_path), ["nyuv2"])
+    assert path.read_text() == text.replace("old", "frames", 1)
+
+
 def test_the_variant_that_does_best_inside_is_taken_fold_by_fold(results):
     one = [{"inner": 0.5, "name": "one"}, {"inner": 0.2, "name": "one"}]
     two = [{"inner": 0.4, "name": "two"}, {"inner": 0.3, "name": "two"}]

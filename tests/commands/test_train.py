@@ -7,10 +7,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 import yaml
 
-from command_line import succeeds
+from command_line import placecue, succeeds
 from placecue.components.manager import load_plugins
 from placecue.pipeline import Pipeline
 from placecue.storage.model import load_model
@@ -97,6 +99,27 @@ def test_floorplans(tmp_path: Path, plan: Path) -> None:
     assert pipeline.classes == ("doorway", "hallway", "room")
     assert manifest["pipeline"]["cues"]["laser"]["preset"] == "full"
     assert manifest["logs"][0]["name"] == "plan"
+
+
+def test_frames_in_scenes(tmp_path: Path) -> None:
+    generator = np.random.default_rng(0)
+    lines = ["index,room,rgb,scene"]
+    for number in range(24):
+        shade = 60 + 90 * (number // 12)
+        noise = generator.integers(0, 40, (12, 16, 3)).astype(np.uint8)
+        cv2.imwrite(str(tmp_path / f"{number}.png"), shade + noise)
+        lines.append(f"{number},{'office' if shade > 99 else 'attic'},{number}.png,{number // 3}")
+    (tmp_path / "labels.csv").write_text("\n".join(lines))
+    words = ["+experiment=nyuv2", f"log={tmp_path}", "source.depth_column=null"]
+    scenes = ["source.scene_column=scene", "source.cuts=null", "source.min_frames=2"]
+    cue = ["cue=color_histogram", "integrator=none", "cues.color_histogram.classifier.search.C=[1]"]
+    _, manifest = trained(tmp_path / "m", *words, *scenes, *cue)
+    assert manifest["pipeline"]["folds"] == {"plugin": "scenes", "n_folds": 5}
+    assert manifest["classes"] == ["attic", "office"]
+    # Fifths of 12 frames are 0-2, 3-4, 5-7, 8-9, 10-11: of scenes of three each parts all but one.
+    told = placecue("train", *words, *scenes, *cue, "folds=blocks", f"out={tmp_path / 'n'}")
+    assert told.status == 0
+    assert told.line.startswith("folds Blocks part 6 of 8 scenes")
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,12 @@ def test_the_first_folder_is_the_label(tmp_path: Path) -> None:
     assert source.name == "rooms"
 
 
+def test_a_folder_in_that_of_a_class_is_a_scene(tmp_path: Path) -> None:
+    write(tmp_path / "rooms" / "kitchen" / "north" / "a.png", picture(20))
+    found = list(ImageFolder(str(classes(tmp_path))))
+    assert [o.scene for o in found] == [None] * 3 + ["kitchen/north", None, "office/north"]
+
+
 def test_only_png_and_jpeg_pass_untouched(tmp_path: Path) -> None:
     found = list(ImageFolder(str(classes(tmp_path))))
     assert [isinstance(o.image_source, EncodedImage) for o in found] == [True] * 3 + [False, True]

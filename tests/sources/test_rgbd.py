@@ -72,6 +72,27 @@ def test_a_table_of_frames(folder: Path) -> None:
     assert source.count() == len(seen)
 
 
+def test_scenes_from_a_column(folder: Path) -> None:
+    scenes = ["scene", "attic", "1", "attic", ""]
+    lines = [f"{line},{scene}" for line, scene in zip(LINES, scenes, strict=True)]
+    (folder / "labels.csv").write_text("\n".join(lines))
+    source = RGBD(str(folder), **TABLE, **SMALL, scene_column="scene")
+    assert [each.scene for each in source] == ["1", "attic", "attic", None]
+    assert source.digest() != RGBD(str(folder), **TABLE, **SMALL).digest()
+
+
+def test_scenes_from_cuts(folder: Path) -> None:
+    # The frames have the times 1.25, 2, 3.5 and 4 s.
+    def scenes(cuts: list[float]) -> list[str | None]:
+        return [each.scene for each in RGBD(str(folder), **TABLE, **SMALL, cuts=cuts)]
+
+    assert scenes([2, 3.75]) == ["0", "1", "1", "2"]
+    assert scenes([0, 3.5]) == ["1", "1", "2", "2"]
+    # Leaving out a class moves no cut.
+    kept = RGBD(str(folder), **TABLE, **SMALL, cuts=[2, 3.75], classes=["office"])
+    assert [each.scene for each in kept] == ["1", "1"]
+
+
 def test_pictures_stay_undecoded(folder: Path) -> None:
     first = next(iter(RGBD(str(folder), **TABLE, **SMALL)))
     assert isinstance(first.image_source, EncodedImage)
@@ -203,6 +224,11 @@ def test_a_column_that_is_not_wanted(folder: Path) -> None:
         ({"depth_scale": 0}, "depth_scale is 0; give a number above 0"),
         ({"step": -1}, "step is -1"),
         ({"mount": [0.0, 1.0]}, "give x, y"),
+        ({"scene_column": "scene"}, "no column 'scene'; available: depth"),
+        ({"cuts": "nyu2"}, "cuts has no list 'nyu2'; did you mean 'nyuv2'?"),
+        ({"cuts": [2, 1.5]}, "cuts has 1.5 s after 2 s: give them in order"),
+        ({"cuts": [2, "b"]}, "cuts is 'b'; give a number"),
+        ({"cuts": [1], "scene_column": "room"}, "cuts and scene_column both tell scenes"),
     ],
 )
 def test_parameters_that_cannot_be(folder: Path, options: dict[str, Any], message: str) -> None:
@@ -286,6 +312,22 @@ def test_nyu_classes_with_enough_frames(nyu: dict[str, Any]) -> None:
     kept = Counter(each.label for each in source)
     assert kept == {name: n for name, n in counts.items() if n >= 50}
     assert set(kept) == {"bedroom", "kitchen", "living_room", "dining_room"}
+
+
+@needs_data
+def test_nyu_scenes(nyu: dict[str, Any]) -> None:
+    rooms: dict[str | None, set[str | None]] = {}
+    scene_of = {}
+    for each in RGBD(**{**nyu, "parts": ["label"]}):
+        rooms.setdefault(each.scene, set()).add(each.label)
+        scene_of[each.stamp // 10**9] = each.scene
+    assert len(rooms) == 168
+    assert all(len(each) == 1 for each in rooms.values())
+    # The bookstore, and what lies between frames of other scenes.
+    assert scene_of[83] == scene_of[118] != scene_of[124]
+    # Frames one after the other: two kitchens, and one bathroom from both sides.
+    assert scene_of[770] != scene_of[771] == scene_of[775] != scene_of[776]
+    assert scene_of[657] != scene_of[662] == scene_of[663] != scene_of[667]
 
 
 @needs_data

@@ -67,7 +67,7 @@ def test_columns_can_be_mapped(tmp_path: Path) -> None:
         frame="odom",
     )
     (seen,) = source
-    assert (seen.stamp, seen.label) == (1_500_000_000, "hall")
+    assert (seen.stamp, seen.label, seen.scene) == (1_500_000_000, "hall", None)
     assert seen.pose is not None
     assert seen.pose.theta == pytest.approx(np.pi / 2)
     assert seen.pose.frame == "odom"

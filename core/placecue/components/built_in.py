@@ -38,6 +38,13 @@ def _folds() -> list[Component]:
             summary="Whole logs: train on the others, test on one",
             requires=("two logs or more",),
         ),
+        Component(
+            kind="folds",
+            name="scenes",
+            factory="placecue.scene_folds:Scenes",
+            summary="Whole scenes, balanced over classes",
+            requires=("a source that tells scenes, or two logs or more",),
+        ),
     ]
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
@@ -15,8 +14,9 @@ from placecue.faults import Faults, MissingCues
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.augmentation import augmentations_of, augmented, told_apart
+from placecue.learning.grouping import groups_of, say_parted
 from placecue.learning.samples import Samples, Views, rows_in
-from placecue.observation import Observation, Origin
+from placecue.observation import Observation
 from placecue.progress import track
 from placecue.source import guarded
 
@@ -142,15 +142,18 @@ def collect(
     reading, kept, faults = _Labelled(observations), list[tuple[Any, ...]](), Faults()
     for some in batched(reading, BATCH):
         rows = _extract(gathered, [each for _, each in some], len(kept), faults, min_cues)
-        kept += [(o.label, o.stamp, number, o.origin) for number, o in (some[row] for row in rows)]
+        kept += [
+            (o.label, o.stamp, number, o.origin, o.scene)
+            for number, o in (some[row] for row in rows)
+        ]
     _check(reading, faults)
     extracted = {each.name: each.joined() for each in gathered}
     missing.report(len(kept))
-    labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
-    return Samples(
+    labels, stamps, positions, origins, scenes = map(list, zip(*kept, strict=True))
+    samples = Samples(
         labels=np.asarray(labels, dtype=np.str_),
         stamps=np.asarray(stamps, dtype=np.int64),
-        groups=_groups(origins),
+        groups=groups_of(origins, scenes),
         extracted=extracted,
         observations=observations,
         positions=np.asarray(positions, dtype=np.int64),
@@ -159,6 +162,8 @@ def collect(
         folds=InterleavedChunks() if folds is None else folds,
         skip=skip,
     )
+    say_parted(samples.folds, samples.labels, samples.stamps, samples.groups)
+    return samples
 
 
 class _Labelled:
@@ -197,14 +202,6 @@ def _extract(
 def _others(n: int, failed: Mapping[int, UnusableObservation]) -> Rows:
     """Return the rows of n that have not failed."""
     return np.array([row for row in range(n) if row not in failed], dtype=np.int64)
-
-
-def _groups(origins: Sequence[Origin | None]) -> NDArray[np.int64] | None:
-    """Return the log of each sample as a number; None where that is not known of all."""
-    logs = [origin.log for origin in origins if origin is not None]
-    if len(logs) < len(origins):
-        return None
-    return np.unique(logs, return_inverse=True)[1].astype(np.int64)
 
 
 def _check(reading: _Labelled, faults: Faults) -> None:

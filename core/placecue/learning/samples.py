@@ -57,8 +57,8 @@ class Samples:
         The class of each sample.
     stamps : ndarray of int64, shape (n,)
         The time of each sample, ns.
-    groups : ndarray of int64, shape (n,), or None
-        The log of each sample, as a number, where that is known.
+    groups : ndarray of int64, shape (n,) or (n, 2), or None
+        The log of each sample, as a number, and its scene; where that is known.
     extracted : mapping of str to Views
         For each cue the samples that have it, with their features if it learns nothing.
     observations : iterable of Observation

@@ -21,7 +21,8 @@ class ImageFolder(Source):
     """One observation for each image; the first folder in its path is its label.
 
     Classes come one after the other, the images of each in natural order (2 before 10), numbered
-    at an even rate. Images that lie in no folder, or cannot be read, are counted and said once.
+    at an even rate. The folder that an image lies in, within that of its class, is its scene.
+    Images that lie in no folder, or cannot be read, are counted and said once.
 
     Parameters
     ----------
@@ -56,14 +57,15 @@ class ImageFolder(Source):
         faults = Faults(self.name)
         read = 0
         with open_archive(self.path, faults) as archive:
-            for number, (label, image) in enumerate(self._images(archive, faults), 1):
+            for number, (label, image, scene) in enumerate(self._images(archive, faults), 1):
                 try:
                     source = encoded(archive.read(image), image)
                 except UnusableObservation as error:
                     faults.add("images cannot be read and were left out", str(error))
                     continue
                 read += 1
-                yield Observation(round(number * 1e9 / self.rate), image=source, label=label)
+                stamp = round(number * 1e9 / self.rate)
+                yield Observation(stamp, image=source, label=label, scene=scene)
         if not read:
             raise DataError(f"{self.path} gives no observation: {faults.told()}")
         faults.report()
@@ -77,24 +79,25 @@ class ImageFolder(Source):
     def digest(self) -> str:
         """Return a digest of the images, of their names and of the rate."""
         with open_archive(self.path, Faults(self.name)) as archive:
-            images = [image for _, image in self._images(archive, Faults(self.name))]
+            images = [image for _, image, _ in self._images(archive, Faults(self.name))]
             root = self._root(archive.names())
             return digest_of({"rate": self.rate, "files": archive.digest(images, root)}, [])
 
-    def _images(self, archive: Archive, faults: Faults) -> list[tuple[str, str]]:
-        """Return label and name of each image, in order."""
+    def _images(self, archive: Archive, faults: Faults) -> list[tuple[str, str, str | None]]:
+        """Return label, name and scene of each image, in order."""
         names = archive.names()
         root = self._root(names)
         found = []
         for name in filter(is_image, names):
-            label, _, rest = posixpath.relpath(name, root or ".").partition("/")
+            inside = posixpath.relpath(name, root or ".")
+            label, _, rest = inside.partition("/")
             if rest:
-                found.append((label, name))
+                found.append((label, name, posixpath.dirname(inside) if "/" in rest else None))
             else:
                 faults.add("images lie in no folder of a class and were left out", name)
         if not found:
             raise DataError(f"{self.path} holds no folder with images: one folder a class is due")
-        return sorted(found, key=lambda pair: (pair[0], natural(pair[1])))
+        return sorted(found, key=lambda each: (each[0], natural(each[1])))
 
     def _root(self, names: list[str]) -> str:
         """Return the folder that the classes are in: a tar often begins with its own name."""

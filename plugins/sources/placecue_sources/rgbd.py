@@ -14,6 +14,7 @@ from placecue.errors import UnusableObservation, UsageError
 from placecue.observation import LaserScan, Observation, Pose2D
 from placecue.source import Source
 from placecue_sources.contents import digest_of
+from placecue_sources.rgbd_cuts import cut_into_scenes
 from placecue_sources.rgbd_files import Parts, depth_image, picture
 from placecue_sources.rgbd_frames import (
     Columns,
@@ -46,6 +47,11 @@ class RGBD(Source):
         Column with the place.
     stamp_column : str, optional
         Column with the time, s. By default frame n has the time n / rate.
+    scene_column : str, optional
+        Column with the scene that a frame belongs to, such as one visit of one room.
+    cuts : list of float, or str, optional
+        In place of such a column: the times at which scenes begin, s; or ``nyuv2``, which has
+        those of the labelled frames of NYU Depth v2, numbered from 0.
     images, depths : str
         Folders in it, where there is no table.
     rate : float
@@ -89,6 +95,8 @@ class RGBD(Source):
         depth_column: str | None = "depth",
         label_column: str | None = "label",
         stamp_column: str | None = None,
+        scene_column: str | None = None,
+        cuts: Sequence[float] | str | None = None,
         images: str = "rgb",
         depths: str = "depth",
         rate: float = 1.0,
@@ -114,6 +122,8 @@ class RGBD(Source):
         self.depth_column = depth_column
         self.label_column = label_column
         self.stamp_column = stamp_column
+        self.scene_column = scene_column
+        self.cuts = cuts
         self.images = images
         self.depths = depths
         self.rate = rate
@@ -158,6 +168,7 @@ class RGBD(Source):
                 image=parts.tried(picture, frame) if image else None,
                 scan=parts.tried(self._scan, frame) if scan else None,
                 label=frame.label,
+                scene=frame.scene,
             )
         parts.report()
 
@@ -167,11 +178,11 @@ class RGBD(Source):
 
     def digest(self) -> str:
         """Return a digest of the files and of the parameters, but for which parts are read."""
-        own = ("path", "parts", "_frames")
+        own = ("path", "parts", "scene_column", "cuts", "_frames")
         parameters = {name: value for name, value in vars(self).items() if name not in own}
         files = [(frame.image, frame.depth) for frame in self._frames]
         there = [[path is not None and path.is_file() for path in pair] for pair in files]
-        parameters["frames"] = [(frame.stamp, frame.label) for frame in self._frames]
+        parameters["frames"] = [(frame.stamp, frame.label, frame.scene) for frame in self._frames]
         parameters["there"] = there
         paths = [path for pair in files for path in pair if path is not None and path.is_file()]
         return digest_of(parameters, paths)
@@ -187,9 +198,15 @@ class RGBD(Source):
             found = frames_of_folders(folder / self.images, folder / self.depths, self.rate)
         else:
             columns = Columns(
-                self.image_column, self.depth_column, self.label_column, self.stamp_column
+                self.image_column,
+                self.depth_column,
+                self.label_column,
+                self.stamp_column,
+                self.scene_column,
             )
             found = frames_of_table(folder / self.labels, columns, self.rate)
+        if self.cuts is not None:
+            found = cut_into_scenes(found, self.cuts)
         return select(found, self.classes, self.min_frames, self.path)
 
     def _read(self, part: str) -> bool:
@@ -230,5 +247,7 @@ class RGBD(Source):
                 raise UsageError(f"{name} is {getattr(self, name)}; give a number from 0 to {most}")
         check_whole("band", self.band, least=1)
         check_whole("min_frames", self.min_frames, least=0)
+        if self.cuts is not None and self.scene_column is not None:
+            raise UsageError("cuts and scene_column both tell scenes: give one of them")
         if len(self.mount) != 3:
             raise UsageError(f"mount is {list(self.mount)}; give x, y (m) and heading (degrees)")

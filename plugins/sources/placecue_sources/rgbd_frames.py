@@ -26,12 +26,15 @@ class Frame:
         Its files, whether they are there or not; None where none is named.
     label : str or None
         The place.
+    scene : str or None
+        What it belongs to; see :class:`placecue.Observation`.
     """
 
     stamp: int
     image: Path | None
     depth: Path | None
     label: str | None = None
+    scene: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,16 +49,19 @@ class Columns:
         The place; an empty cell is a frame without a label.
     stamp : str or None
         Time, s.
+    scene : str or None
+        The scene.
     """
 
     image: str | None
     depth: str | None
     label: str | None
     stamp: str | None
+    scene: str | None = None
 
     def named(self) -> list[str]:
         """Return the names that are given."""
-        every = (self.image, self.depth, self.label, self.stamp)
+        every = (self.image, self.depth, self.label, self.stamp, self.scene)
         return [name for name in every if name is not None]
 
 
@@ -177,6 +183,7 @@ def _frame(
         folder / image if image else None,
         folder / depth if depth else None,
         cell(columns.label) or None,
+        cell(columns.scene) or None,
     )
 
 

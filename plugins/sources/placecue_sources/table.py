@@ -28,7 +28,8 @@ ANGLES = {"rad": 1.0, "deg": math.pi / 180}
 class Table(Source):
     """One observation for each row of a CSV file, or for each file whose name fits a pattern.
 
-    A row says any of ``stamp``, ``image``, ``scan``, ``x``, ``y``, ``theta`` and ``label``. An
+    A row says any of ``stamp``, ``image``, ``scan``, ``x``, ``y``, ``theta``, ``label`` and
+    ``scene`` (which rows are near-copies of one another; see :class:`placecue.Observation`). An
     empty cell is a part that is not there. ``image`` names a file; ``scan`` names a file of
     ranges (``.npy``, ``.csv``, ``.txt``) or holds them, separated by blanks, commas or semicolons.
     Rows that do not parse, files that are missing and scans with a wrong number of beams are
@@ -42,7 +43,7 @@ class Table(Source):
         or a tar, which stays packed.
     columns : mapping of str to str, optional
         The column (or named group of the pattern) that holds each of ``stamp``, ``image``,
-        ``scan``, ``x``, ``y``, ``theta``, ``label``; by default those called so.
+        ``scan``, ``x``, ``y``, ``theta``, ``label``, ``scene``; by default those called so.
     pattern : str, optional
         Regular expression searched in the names of files, folders included, such as
         ``(?P<label>[^/]+)/(?P<stamp>[0-9.]+)[.]png``. The file itself is the image, or the scan.
@@ -216,7 +217,8 @@ class _Cells:
             self.faults.add("rows hold no image, scan or pose and were left out", row.where)
             return None
         label = row.cells.get("label") if "label" in wanted else None
-        return Observation(row.stamp, image=image, scan=scan, pose=pose, label=label)
+        scene = row.cells.get("scene")
+        return Observation(row.stamp, image=image, scan=scan, pose=pose, label=label, scene=scene)
 
     def _image(self, row: Row, read: Callable[[str], bytes]) -> Callable[[], Image] | None:
         name = row.cells.get("image")

@@ -18,7 +18,7 @@ from placecue_sources.contents import lines, read_bytes
 from placecue_sources.image_files import is_image, natural
 
 #: What a row can say.
-KEYS = ("stamp", "image", "scan", "x", "y", "theta", "label")
+KEYS = ("stamp", "image", "scan", "x", "y", "theta", "label", "scene")
 SHOWN = 3
 
 

@@ -38,6 +38,7 @@ from placecue.components.options import register_with_hydra
 from placecue.components.pipelines import build_pipeline
 from placecue.errors import PlacecueError
 from placecue.folds import FoldScheme, Rows
+from placecue.learning.families import families_of
 from placecue.training_set import TrainingSet
 
 PAGE = Path(__file__).parents[1] / "docs" / "cues_and_classifiers.md"
@@ -89,7 +90,11 @@ class Log:
         recorded = cue.transform(self.fresh(rows))
         which = np.asarray(rows)
         return TrainingSet(
-            recorded, self.labels[which], self.stamps[which], augmented=tuple(copies)
+            recorded,
+            self.labels[which],
+            self.stamps[which],
+            augmented=tuple(copies),
+            families=families_of(cue, recorded),
         )
 
 

@@ -23,7 +23,7 @@ def buildings(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     for name in (
         "OMP_NUM_THREADS",
         "OPENBLAS_NUM_THREADS",
-    ):  # it sets them; no other test shall see
+    ):  # which it sets
         monkeypatch.setenv(name, "1")
     return import_module("laser_buildings")
 

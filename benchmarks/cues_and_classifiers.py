@@ -38,6 +38,7 @@ from placecue.components.options import register_with_hydra
 from placecue.components.pipelines import build_pipeline
 from placecue.errors import PlacecueError
 from placecue.folds import FoldScheme, Rows, cut
+from placecue.learning.families import families_of
 from placecue.learning.grouping import groups_of
 from placecue.training_set import TrainingSet
 
@@ -103,7 +104,8 @@ class Log:
         recorded = cue.transform(self.fresh(rows))
         which = np.asarray(rows)
         about = self.labels[which], self.stamps[which], self._groups(which)
-        return TrainingSet(recorded, *about, augmented=tuple(copies))
+        families = families_of(cue, recorded)
+        return TrainingSet(recorded, *about, augmented=tuple(copies), families=families)
 
 
 class LearnedFeatures:

@@ -1,13 +1,14 @@
-"""The tables of docs/laser.md, written between their markers."""
+"""The tables of worlds in docs/laser.md."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import mean, stdev
 
 from cues_and_classifiers_results import Cell, Results
 from laser_worlds_data import RECORDINGS, Recording
+from tables import put, table
 
 EXPERIMENTS = (1, 2, 3, 4)
 
@@ -18,18 +19,12 @@ def cell(world: int, method: str, train: Recording) -> Cell:
 
 
 def write(page: Path, results: Results, worlds: Sequence[int], methods: Sequence[str]) -> None:
-    """Put the tables into the page, each between ``<!-- table NAME -->`` and ``<!-- end -->``."""
+    """Put the tables into the page."""
     found = {
         method: {world: scores for world in worlds if (scores := in_world(results, world, method))}
         for method in methods
     }
-    tables = {"experiments": _means(found), "worlds": _each(found, worlds)}
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables.items():
-        before, mark, rest = text.partition(f"<!-- table {name} -->\n")
-        _, end, after = rest.partition("<!-- end -->")
-        text = before + mark + table + end + after
-    page.write_text(text, encoding="utf-8")
+    put(page, {"experiments": _means(found), "worlds": _each(found, worlds)})
 
 
 def in_world(results: Results, world: int, method: str) -> list[float]:
@@ -47,31 +42,25 @@ def in_world(results: Results, world: int, method: str) -> list[float]:
     ]
 
 
-def _means(found: dict[str, dict[int, list[float]]]) -> str:
+def _means(found: Mapping[str, Mapping[int, Sequence[float]]]) -> str:
     """Return the table of means, with the spread of the worlds."""
-    lines = _head(["method", "worlds", *(f"Exp {number}" for number in EXPERIMENTS)])
-    for method, of_world in found.items():
-        if of_world:
-            columns = zip(*of_world.values(), strict=True)
-            lines.append(_row([method, str(len(of_world)), *map(_spread, columns)]))
-    return "\n".join(lines) + "\n"
+    heads = ["method", "worlds", *(f"Exp {number}" for number in EXPERIMENTS)]
+    rows = [
+        [method, str(len(of_world)), *map(_spread, zip(*of_world.values(), strict=True))]
+        for method, of_world in found.items()
+        if of_world
+    ]
+    return table(heads, rows)
 
 
-def _each(found: dict[str, dict[int, list[float]]], worlds: Sequence[int]) -> str:
+def _each(found: Mapping[str, Mapping[int, Sequence[float]]], worlds: Sequence[int]) -> str:
     """Return the table of every world: Experiments 1 / 2 / 3 / 4."""
-    lines = _head(["method", *(f"world {world}" for world in worlds)])
-    for method, of_world in found.items():
-        cells = [" / ".join(f"{each:.0f}" for each in of_world.get(world, [])) for world in worlds]
-        lines.append(_row([method, *cells]))
-    return "\n".join(lines) + "\n"
-
-
-def _head(names: Sequence[str]) -> list[str]:
-    return [_row(names), "|---" * len(names) + "|"]
-
-
-def _row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    rows = [
+        [method, *(" / ".join(f"{each:.0f}" for each in of_world.get(w, [])) for w in worlds)]
+        for method, of_world in found.items()
+        if of_world
+    ]
+    return table(["method", *(f"world {world}" for world in worlds)], rows)
 
 
 def _spread(values: Sequence[float]) -> str:

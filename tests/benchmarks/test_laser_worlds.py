@@ -120,7 +120,17 @@ def test_a_world_counts_when_all_recordings_are_there(page: ModuleType, tmp_path
         results.keep(page.cell(0, "L-AB", each), 0, [], told(number % 2))
     assert page.in_world(results, 0, "L-AB") == [75.0] * 4
     written = tmp_path / "page.md"
-    written.write_text("a\n<!-- table experiments -->\nold\n<!-- end -->\nb\n")
+    places = "<!-- table experiments -->\nold\n<!-- end -->\nb\n<!-- table worlds -->\n<!-- end -->"
+    written.write_text(f"a\n{places}\n")
     page.write(written, results, [0, 1], ["L-AB", "L-SVM"])
     assert "| L-AB | 1 | 75.0 | 75.0 | 75.0 | 75.0 |\n<!-- end -->\nb\n" in written.read_text()
+    assert "| L-AB | 75 / 75 / 75 / 75 |  |\n<!-- end -->\n" in written.read_text()
     assert "old" not in written.read_text()
+
+
+def test_a_page_without_the_place_of_a_table_is_said(page: ModuleType, tmp_path: Path) -> None:
+    written = tmp_path / "page.md"
+    written.write_text("nothing")
+    with pytest.raises(SystemExit, match="no place for the table experiments"):
+        page.write(written, page.Results(tmp_path), [0], ["L-AB"])
+    assert written.read_text() == "nothing"

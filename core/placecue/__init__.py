@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         DescriptorSets,
         FeatureBatch,
         FeatureKind,
+        FeatureParts,
         Features,
         kind_of,
         n_samples,
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     from placecue.held_out import HeldOut
     from placecue.integrator import Integrator
     from placecue.interrupting import interruptible
-    from placecue.kernel import DistanceKernel, Gram, Kernel
+    from placecue.kernel import DistanceKernel, Gram, Kernel, fit_kernel
     from placecue.labels.geojson import Feature, FeatureCollection, read_geojson
     from placecue.learning.rejection import Unknown
     from placecue.logs.adapters.base import Adapter, Role
@@ -114,6 +115,7 @@ __all__ = [
     "FeatureBatch",
     "FeatureCollection",
     "FeatureKind",
+    "FeatureParts",
     "Features",
     "FoldScheme",
     "Gram",
@@ -176,6 +178,7 @@ __all__ = [
     "current",
     "described",
     "estimators",
+    "fit_kernel",
     "hookimpl",
     "interruptible",
     "keeping",
@@ -220,6 +223,7 @@ _MODULES = {
         "DescriptorSets",
         "FeatureBatch",
         "FeatureKind",
+        "FeatureParts",
         "Features",
         "kind_of",
         "n_samples",
@@ -232,7 +236,7 @@ _MODULES = {
     "held_out": ("HeldOut",),
     "integrator": ("Integrator",),
     "interrupting": ("interruptible",),
-    "kernel": ("DistanceKernel", "Gram", "Kernel"),
+    "kernel": ("DistanceKernel", "Gram", "Kernel", "fit_kernel"),
     "labels.geojson": ("Feature", "FeatureCollection", "read_geojson"),
     "learning.rejection": ("Unknown",),
     "logs.adapters.base": ("Adapter", "Role"),

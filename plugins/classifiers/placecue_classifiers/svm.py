@@ -24,7 +24,7 @@ from placecue.training_set import TrainingSet
 from placecue_classifiers import calibration
 from placecue_classifiers.convergence import told_once
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
-from placecue_classifiers.machines import Machines, Weights
+from placecue_classifiers.machines import Codes, Machines, Weights
 from placecue_classifiers.multiclass import LAYOUTS, Multiclass
 from placecue_classifiers.prepared import Prepared, learns, remembering, transformed
 from placecue_classifiers.search import Folds, best_of, search
@@ -47,7 +47,8 @@ class SVM(Classifier):
     class_weight : {"balanced"}, mapping of class to weight, or None
         Weight classes by inverse frequency, as given (1 where it is not), or not.
     scaling : Scaling, optional
-        Scaling of dense features, learned on the training samples.
+        Scaling of dense features, learned on the training samples; of features in parts each dense
+        part is scaled by itself, and the others are left alone.
     search : mapping, optional
         Values to try by cross-validation on balanced accuracy, every combination of them:
         ``{"C": [...], "gamma": [...]}``, and likewise ``multiclass``, ``class_weight``,
@@ -77,8 +78,8 @@ class SVM(Classifier):
         The cost in use.
     kernel_ : Kernel
         The kernel in use.
-    scaling_ : Scaling or None
-        The scaling in use.
+    scaling_ : Scaling, dict of str to Scaling, or None
+        The scaling in use; that of each dense part, by its name.
     support_ : ndarray of int64, shape (k,)
         Which rows of the training batch are support vectors of any machine.
     support_features_ : batch of k samples
@@ -145,7 +146,7 @@ class SVM(Classifier):
         training = self.checked(training)
         codes = self.codes(training.repeated(training.labels))
         grid = self._grid()
-        prepare = remembering(self._preparing(grid, training.batch()))
+        prepare = remembering(self._preparing(grid, training.batch(), codes))
         folds = self._folds(grid, training, prepare) if self.search or self.probability else []
         best, setting, rows = self, Setting(), np.arange(len(codes))
         if self.search:
@@ -203,8 +204,8 @@ class SVM(Classifier):
         if svm._learns(training, [svm.scaling]):
             yield from super().out_of_fold(training, splits)
             return
-        gram = svm._preparing(svm._grid(), training.batch())({}).gram()
         codes, extension = svm.codes(training.repeated(training.labels)), svm._extension(svm)
+        gram = svm._preparing(svm._grid(), training.batch(), codes)({}).gram()
         for rows, held_out in splits:
             flat = training.copies(rows), training.recorded(held_out)
             values = extension.held_out(gram, codes, *flat)
@@ -244,14 +245,16 @@ class SVM(Classifier):
             by_name = "balanced"
         return Multiclass(self.multiclass, names, self.C, by_name)
 
-    def _preparing(self, grid: Grid, features: FeatureBatch) -> Callable[..., Prepared]:
-        """Return what prepares n samples for the parameters of a grid."""
+    def _preparing(
+        self, grid: Grid, features: FeatureBatch, codes: Codes
+    ) -> Callable[..., Prepared]:
+        """Return what prepares n samples, of given classes, for the parameters of a grid."""
         light = bool(grid.lights()[0])
 
         def prepare(setting: Setting, rows: Rows | None = None) -> Prepared:
             svm = self.with_setting(setting)
             assert svm.kernel is not None
-            return Prepared.of(features, svm.kernel, svm.scaling, rows, light)
+            return Prepared.of(features, svm.kernel, svm.scaling, rows, light, codes)
 
         return prepare
 
@@ -261,12 +264,13 @@ class SVM(Classifier):
         """Return the folds, together where they may share a Gram matrix."""
         splits = training.split(self.folds)
         flat = [(training.copies(rows), training.recorded(held)) for rows, held in splits]
+        codes = self.codes(training.repeated(training.labels))
         if not self._learns(training, grid.values.get("scaling", [self.scaling])):
             return [Folds(lambda: prepare, flat)]
 
         def of_fold(rows: Rows, flat_rows: Rows) -> Callable[[Setting], Prepared]:
             batch = training.relearned(rows).batch()
-            return remembering(partial(self._preparing(grid, batch), rows=flat_rows))
+            return remembering(partial(self._preparing(grid, batch, codes), rows=flat_rows))
 
         return [
             Folds(partial(of_fold, rows, each[0]), [each])
@@ -283,7 +287,7 @@ class SVM(Classifier):
     def _calibrators(
         self,
         extension: Multiclass,
-        codes: NDArray[np.int64],
+        codes: Codes,
         held_out: Iterable[tuple[Gram, Rows, Rows]],
     ) -> list[NDArray[np.float64]]:
         """Learn probabilities from the outputs for held-out rows (matrix, training, held out)."""

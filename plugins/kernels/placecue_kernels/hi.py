@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar, Self
 
 import numpy as np
@@ -12,11 +13,12 @@ from placecue.kernel import Gram, Kernel
 
 from .columns import as_csr, check_same_width
 from .inverted_index import index_of
+from .pieces import pieces, sum_over_pieces
 from .shared import Term, shared_between, shared_within
 
 
 class HistogramIntersection(Kernel):
-    """K(x, y) = sum_k min(x_k, y_k) between sparse or dense vectors.
+    """K(x, y) = sum_k min(x_k, y_k) between vectors: dense, sparse, or in parts that are.
 
     Only bins that two samples share are looked at, so values must not be negative. Dense vectors
     that may be (distances from hyperplanes, say) are shifted first: :meth:`fit` learns the
@@ -31,9 +33,9 @@ class HistogramIntersection(Kernel):
 
     Attributes
     ----------
-    minimum_ : ndarray of float64, shape (d,)
-        What is subtracted from each dimension, 0 or negative; only where dense vectors were
-        fitted.
+    minimum_ : ndarray of float64, shape (d,), or dict of str to such
+        What is subtracted from each dimension, 0 or negative; of features in parts, by the names
+        of the dense ones. Only where dense vectors were fitted.
 
     References
     ----------
@@ -41,7 +43,9 @@ class HistogramIntersection(Kernel):
     The shift: our choice.
     """
 
-    accepts: ClassVar[frozenset[FeatureKind]] = frozenset({FeatureKind.SPARSE, FeatureKind.DENSE})
+    accepts: ClassVar[frozenset[FeatureKind]] = frozenset(
+        {FeatureKind.SPARSE, FeatureKind.DENSE, FeatureKind.PARTS}
+    )
 
     def __init__(self, shift: bool = True) -> None:
         self.shift = shift
@@ -49,9 +53,13 @@ class HistogramIntersection(Kernel):
     def fit(self, features: FeatureBatch) -> Self:
         """Learn the minimum of each dimension of dense training features, shape (n, d)."""
         self.check(features)
-        if self.shift and kind_of(features) is FeatureKind.DENSE:
-            dense = np.asarray(features, dtype=np.float64)
-            self.minimum_ = np.minimum(dense.min(axis=0), 0)
+        found = {
+            name: np.minimum(np.asarray(piece, dtype=np.float64).min(axis=0), 0)
+            for piece, _, name in pieces(features)
+            if kind_of(piece) is FeatureKind.DENSE
+        }
+        if self.shift and found:
+            self.minimum_ = found.get("", found)
         return self
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
@@ -65,21 +73,24 @@ class HistogramIntersection(Kernel):
             If a value is NaN, or negative and not shifted.
         """
         self.check(a, b)
+        return sum_over_pieces(self._intersections, a, b)
+
+    def _intersections(self, a: FeatureBatch, b: FeatureBatch | None, name: str) -> Gram:
         if b is None:
-            index = index_of(self._shifted(a))
+            index = index_of(self._shifted(a, name))
             _check(index.smallest)
             gram = shared_within(index, Term.SMALLER)
             np.fill_diagonal(gram, index.totals)
             return gram
-        check_same_width(a, b)
-        index, rows = index_of(self._shifted(b)), as_csr(self._shifted(a))
+        index, rows = index_of(self._shifted(b, name)), as_csr(self._shifted(a, name))
         _check(index.smallest)
         _check(float(rows.data.min(initial=np.inf)))
         return shared_between(rows, index, Term.SMALLER)
 
-    def _shifted(self, batch: FeatureBatch) -> FeatureBatch:
+    def _shifted(self, batch: FeatureBatch, name: str) -> FeatureBatch:
         """Return the batch, shifted if it is to be; itself where there is nothing to shift."""
-        minimum = getattr(self, "minimum_", None)
+        known = getattr(self, "minimum_", None)
+        minimum = known.get(name) if isinstance(known, Mapping) else known
         if minimum is None or kind_of(batch) is not FeatureKind.DENSE or not minimum.any():
             return batch
         check_same_width(batch, minimum[None])

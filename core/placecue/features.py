@@ -143,7 +143,9 @@ def stack(features: Sequence[Features]) -> FeatureBatch:
             return np.stack(dense)
         return _stack_descriptors(dense, dense[0].shape[1])
     except ValueError as error:
-        shapes = sorted({str(f.shape) for f in features})
+        shapes = sorted(
+            {form(f) if isinstance(f, FeatureParts) else str(f.shape) for f in features}
+        )
         raise UsageError(
             f"features of different shapes in one batch: {', '.join(shapes)}"
         ) from error

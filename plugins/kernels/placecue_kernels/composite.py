@@ -53,7 +53,7 @@ class Composite(Kernel):
     @property
     def positive_definite(self) -> bool:  # type: ignore[override]
         """Whether every Gram matrix is positive semi-definite."""
-        named = self._by_name(self.kernels)
+        named = self._in_use
         if not all(each.positive_definite for each in named.values()):
             return False
         if self._operations is not PRODUCT or not named:

@@ -32,8 +32,7 @@ class MKL(OfParts):
     Parameters
     ----------
     kernels : mapping of str to Kernel, optional
-        One for each part, by its name; by default chi2 for sparse histograms, rbf for dense
-        vectors and match for sets of descriptors.
+        One for each part, by its name; by default those that :func:`parts.suited_to` returns.
     method : {"alignment", "easymkl"}
         Centred alignment with the classes, or EasyMKL, which looks at margins.
     regularization : float

@@ -15,13 +15,18 @@ from .composite import PRODUCT, SUM, Composite, Operations, fitted_copy
 from .match import Match
 from .rbf import RBF
 
-#: What a part gets where no kernels are given.
-BY_KIND: dict[FeatureKind, type[Kernel]] = {
-    FeatureKind.DENSE: RBF,
-    FeatureKind.SPARSE: Chi2,
-    FeatureKind.DESCRIPTORS: Match,
-}
 JOINS: dict[str, Operations] = {"sum": SUM, "product": PRODUCT}
+
+
+def suited_to(part: FeatureBatch) -> Kernel:
+    """Return what a part gets where no kernels are given.
+
+    That is chi2 for sparse histograms, match for sets of descriptors, and rbf with a gamma of 1
+    over the number of columns for dense vectors.
+    """
+    if kind_of(part) is FeatureKind.DENSE:
+        return RBF(1 / part.shape[1])
+    return Chi2() if kind_of(part) is FeatureKind.SPARSE else Match()
 
 
 class OfParts(Composite):
@@ -88,7 +93,7 @@ class OfParts(Composite):
         self.check(features)
         assert isinstance(features, FeatureParts)
         kernels = self._by_name(self.kernels) or {
-            name: BY_KIND[kind_of(part)]() for name, part in features.parts.items()
+            name: suited_to(part) for name, part in features.parts.items()
         }
         parts = features.parts
         return {name: fitted_copy(each, parts[name], labels) for name, each in kernels.items()}
@@ -114,8 +119,7 @@ class Parts(OfParts):
     Parameters
     ----------
     kernels : mapping of str to Kernel, optional
-        One for each part, by its name; by default chi2 for sparse histograms, rbf for dense
-        vectors and match for sets of descriptors.
+        One for each part, by its name; by default those that :func:`suited_to` returns.
     weights : mapping of str to float, optional
         One for each part, not negative; by default all are 1. In a product they are powers, for
         kernels whose powers are kernels: chi2 and rbf, for which they multiply gamma.

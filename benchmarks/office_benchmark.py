@@ -161,7 +161,7 @@ class Bench:
             svm = self.trained(name, sequence)
             for experiment, test in sequence.tests():
                 samples = self.samples(name, test, self.stride(name))
-                scores = svm.scores(samples.extracted[name][0])
+                scores = svm.scores(samples.extracted[name].features[0])
                 path = self.folder / "scores" / f"{name}_{self.seed}_{sequence.name}_{test.name}"
                 path.parent.mkdir(exist_ok=True)
                 joblib.dump((scores, samples.stamps), path)
@@ -181,8 +181,8 @@ class Bench:
         for C, gamma in product(method.grid["C"], method.grid["gamma"]):
             kernel = clone(method.svm.kernel).set_params(gamma=gamma)
             svm = clone(method.svm).set_params(C=C, kernel=kernel)
-            svm.fit(ours.extracted[name][0], ours.labels, ours.stamps)
-            decided = svm.scores(theirs.extracted[name][0]).decide().labels
+            svm.fit(ours.extracted[name].features[0], ours.labels, ours.stamps)
+            decided = svm.scores(theirs.extracted[name].features[0]).decide().labels
             score = balanced_accuracy_score(theirs.labels, decided)
             best, kept = (score, svm) if score > best else (best, kept)
         return kept

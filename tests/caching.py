@@ -65,9 +65,9 @@ def extracted(folder: Path | None, cue: Cue, log: Walk | None = None) -> object:
     """The features of a walk, through a cache of its own or without one."""
     log = Walk() if log is None else log
     if folder is None:
-        return collect(log, {"cue": cue}).extracted["cue"][0]
+        return collect(log, {"cue": cue}).extracted["cue"].features[0]
     with FeatureCache(folder, REGISTRY) as cache:
-        return collect(log, {"cue": cue}, cache).extracted["cue"][0]
+        return collect(log, {"cue": cue}, cache).extracted["cue"].features[0]
 
 
 def same(a: object, b: object) -> bool:

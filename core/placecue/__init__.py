@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from placecue.accumulator import Accumulator, AreaUpdate, Boundary
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
-    from placecue.checks import check_choice, check_number, check_whole
+    from placecue.checks import check_choice, check_flag, check_number, check_whole
     from placecue.classifier import Classifier, UnfitSamples, WrongKind, wrong_kind
     from placecue.components.hooks import Component, Kind, hookimpl
     from placecue.cue import Augmentation, Cue
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from placecue.faults import Faults
     from placecue.features import (
         DescriptorSets,
+        Families,
         FeatureBatch,
         FeatureKind,
         FeatureParts,
@@ -69,7 +70,14 @@ if TYPE_CHECKING:
     from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
-    from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+    from placecue.scaling import (
+        FamilyScaling,
+        QuantileScaling,
+        RangeScaling,
+        Scaling,
+        StandardScaling,
+    )
+    from placecue.schemes import Schemes, sets_of
     from placecue.scores import (
         Decision,
         DecisionList,
@@ -110,6 +118,8 @@ __all__ = [
     "Evidence",
     "Extracted",
     "Extraction",
+    "Families",
+    "FamilyScaling",
     "Faults",
     "Feature",
     "FeatureBatch",
@@ -151,6 +161,7 @@ __all__ = [
     "Role",
     "Rows",
     "Scaling",
+    "Schemes",
     "Scores",
     "SemanticMap",
     "Shuffled",
@@ -169,6 +180,7 @@ __all__ = [
     "allow_estimators",
     "call",
     "check_choice",
+    "check_flag",
     "check_number",
     "check_whole",
     "choices",
@@ -186,6 +198,7 @@ __all__ = [
     "n_samples",
     "provenance",
     "read_geojson",
+    "sets_of",
     "stack",
     "step",
     "take",
@@ -199,7 +212,7 @@ _MODULES = {
     "accumulator": ("Accumulator", "AreaUpdate", "Boundary"),
     "belief": ("Belief",),
     "camera": ("PinholeCamera",),
-    "checks": ("check_choice", "check_number", "check_whole"),
+    "checks": ("check_choice", "check_flag", "check_number", "check_whole"),
     "classifier": ("Classifier", "UnfitSamples", "WrongKind", "wrong_kind"),
     "components.hooks": ("Component", "Kind", "hookimpl"),
     "cue": ("Augmentation", "Cue"),
@@ -221,6 +234,7 @@ _MODULES = {
     "faults": ("Faults",),
     "features": (
         "DescriptorSets",
+        "Families",
         "FeatureBatch",
         "FeatureKind",
         "FeatureParts",
@@ -246,7 +260,14 @@ _MODULES = {
     "pipeline": ("Pipeline",),
     "progress": ("track",),
     "ownership": ("provenance",),
-    "scaling": ("QuantileScaling", "RangeScaling", "Scaling", "StandardScaling"),
+    "scaling": (
+        "FamilyScaling",
+        "QuantileScaling",
+        "RangeScaling",
+        "Scaling",
+        "StandardScaling",
+    ),
+    "schemes": ("Schemes", "sets_of"),
     "scores": (
         "Decision",
         "DecisionList",

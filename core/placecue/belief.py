@@ -25,6 +25,8 @@ class Belief:
         How unambiguous that pick is, also where the label is ``unknown``; larger is surer.
     cue_scores : mapping of str to Scores
         The outputs of each cue that was extracted to get there, one row each.
+    cues_missing : tuple of str
+        The cues that the observation does not have, as far as is known.
     """
 
     stamp: int
@@ -32,6 +34,7 @@ class Belief:
     label: str
     confidence: float
     cue_scores: Mapping[str, Scores]
+    cues_missing: tuple[str, ...] = ()
 
     @property
     def cues_used(self) -> tuple[str, ...]:

@@ -42,3 +42,9 @@ def check_whole(parameter: str, value: Any, *, least: int, most: int | None = No
         raise UsageError(f"{parameter} is {value!r}; give a whole number of at least {least}")
     if most is not None and value > most:
         raise UsageError(f"{parameter} is {value!r}; give a whole number of at most {most}")
+
+
+def check_flag(parameter: str, value: Any) -> None:
+    """Raise UsageError unless a parameter is true or false."""
+    if not isinstance(value, bool):
+        raise UsageError(f"{parameter} must be true or false, got {value!r}")

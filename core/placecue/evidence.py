@@ -63,6 +63,24 @@ class Evidence(ABC):
     def take(self, rows: Some) -> Evidence:
         """Return the evidence of the given observations; what it computes is kept here too."""
 
+    @abstractmethod
+    def only(self, cues: Sequence[str]) -> Evidence:
+        """Return the evidence of the given cues; what it computes is kept here too.
+
+        Raises
+        ------
+        UsageError
+            If there is no such cue.
+        """
+
+    def trained_on(self) -> NDArray[np.bool_]:
+        """Return which observations the models that give the scores were trained on, shape (n,)."""
+        return np.zeros(len(self), dtype=bool)
+
+    def known(self) -> NDArray[np.bool_]:
+        """Return which cues each observation has as far as is known, shape (n, T)."""
+        return np.stack([self.available(cue) for cue in self.cues], axis=1)
+
 
 class StoredEvidence(Evidence):
     """Evidence that is there already.
@@ -71,17 +89,32 @@ class StoredEvidence(Evidence):
     ----------
     scores : mapping of str to Scores
         For each cue the scores of the same n observations; a row of NaN where it is missing.
+    trained_on : ndarray of bool, shape (n,), optional
+        Which of them the models that gave the scores were trained on; none by default.
+
+    Raises
+    ------
+    UsageError
+        If there is no cue, or the scores are of different numbers of observations.
     """
 
-    def __init__(self, scores: Mapping[str, Scores]) -> None:
+    def __init__(
+        self, scores: Mapping[str, Scores], trained_on: NDArray[np.bool_] | None = None
+    ) -> None:
         lengths = {name: len(of_cue) for name, of_cue in scores.items()}
+        if not lengths:
+            raise UsageError("no scores of any cue: give those of one or more")
         if len(set(lengths.values())) != 1:
             raise UsageError(f"the cues' scores must be of the same observations, got {lengths}")
         self.cues = tuple(scores)
         self._scores = dict(scores)
+        self._trained_on = trained_on
 
     def __len__(self) -> int:
         return len(next(iter(self._scores.values())))
+
+    def trained_on(self) -> NDArray[np.bool_]:  # noqa: D102
+        return super().trained_on() if self._trained_on is None else self._trained_on
 
     def layout(self, cue: str) -> Layout:  # noqa: D102
         return self.scores(cue).layout
@@ -99,7 +132,11 @@ class StoredEvidence(Evidence):
 
     def take(self, rows: Some) -> StoredEvidence:  # noqa: D102
         some = np.arange(len(self))[np.asarray(rows)]
-        return StoredEvidence({cue: scores[some] for cue, scores in self._scores.items()})
+        scores = {cue: of_cue[some] for cue, of_cue in self._scores.items()}
+        return StoredEvidence(scores, self.trained_on()[some])
+
+    def only(self, cues: Sequence[str]) -> StoredEvidence:  # noqa: D102
+        return StoredEvidence({cue: self.scores(cue) for cue in cues}, self._trained_on)
 
 
 class ObservedEvidence(Evidence):
@@ -208,8 +245,21 @@ class ObservedEvidence(Evidence):
         nothing = UnusableObservation(f"nothing can be told of the observation at stamp {stamp}")
         return next((error for error in found if error is not None), nothing)
 
+    def why(self, cue: str, row: int) -> UnusableObservation:
+        """Return why one observation has no scores of a cue."""
+        if (cue, row) in self.failed:
+            return self.failed[cue, row]
+        try:
+            self._observations[row].require(self._model(cue).cue.requires)
+        except UnusableObservation as error:
+            return error
+        return self.reason(row)
+
     def take(self, rows: Some) -> Evidence:  # noqa: D102
-        return _View(self, np.arange(len(self))[np.asarray(rows)])
+        return _View(self, self.cues, np.arange(len(self))[np.asarray(rows)])
+
+    def only(self, cues: Sequence[str]) -> Evidence:  # noqa: D102
+        return _View(self, cues, np.arange(len(self)))
 
     def _model(self, cue: str) -> CueModel:
         if cue not in self._models:
@@ -218,29 +268,40 @@ class ObservedEvidence(Evidence):
 
 
 class _View(Evidence):
-    """Some of the observations of evidence that is computed on demand."""
+    """Some of the cues and observations of evidence that is computed on demand."""
 
-    def __init__(self, whole: ObservedEvidence, rows: Rows) -> None:
-        self.cues = whole.cues
+    def __init__(self, whole: ObservedEvidence, cues: Sequence[str], rows: Rows) -> None:
+        self.cues = tuple(cues)
         self._whole, self._rows = whole, rows
+        for cue in self.cues:
+            whole.layout(cue)  # or there is no such cue
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def layout(self, cue: str) -> Layout:
-        return self._whole.layout(cue)
+        return self._whole.layout(self._here(cue))
 
     def scores(self, cue: str) -> Scores:
-        return self._whole.scores_of(cue, self._rows)
+        return self._whole.scores_of(self._here(cue), self._rows)
 
     def available(self, cue: str) -> NDArray[np.bool_]:
-        return self._whole.available(cue)[self._rows]
+        return self._whole.available(self._here(cue))[self._rows]
 
     def used(self, row: int) -> tuple[str, ...]:
-        return self._whole.used(int(self._rows[row]))
+        used = self._whole.used(int(self._rows[row]))
+        return tuple(cue for cue in used if cue in self.cues)
 
     def take(self, rows: Some) -> Evidence:
-        return _View(self._whole, self._rows[np.asarray(rows)])
+        return _View(self._whole, self.cues, self._rows[np.asarray(rows)])
+
+    def only(self, cues: Sequence[str]) -> Evidence:
+        return _View(self._whole, [self._here(cue) for cue in cues], self._rows)
+
+    def _here(self, cue: str) -> str:
+        if cue not in self.cues:
+            raise UsageError(f"there is no cue '{cue}'; {choices(cue, self.cues)}")
+        return cue
 
 
 def concatenate(parts: Sequence[Evidence]) -> StoredEvidence:
@@ -271,4 +332,4 @@ def concatenate(parts: Sequence[Evidence]) -> StoredEvidence:
                 )
         values = np.concatenate([part.scores(cue).values for part in parts])
         joined[cue] = Scores(values, layout)
-    return StoredEvidence(joined)
+    return StoredEvidence(joined, np.concatenate([part.trained_on() for part in parts]))

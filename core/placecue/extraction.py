@@ -13,8 +13,8 @@ import numpy as np
 from placecue import contracts
 from placecue.attempts import Attempts, attempt, attempt_each
 from placecue.cue import Cue
-from placecue.errors import ComponentError, ContractError, UnusableObservation
-from placecue.features import FeatureBatch, Features, form, join, spoilt_rows, stack
+from placecue.errors import ContractError, UnusableObservation
+from placecue.features import FeatureBatch, Features, form, join, spoilt_rows, stack, take
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
@@ -50,6 +50,23 @@ class Extracted:
         batches = [batch for _, batch in attempts.answers]
         return cls(attempts.rows, joined(cue, batches) if batches else None, attempts.failed)
 
+    def finite(self, cue: Cue, observations: Sequence[Observation]) -> Extracted:
+        """Return the same without what has NaN or infinite features: the cue is missing there."""
+        spoilt = np.empty(0, int) if self.features is None else spoilt_rows(self.features)
+        if not len(spoilt):
+            return self
+        failed = dict(self.failed)
+        for row in self.rows[spoilt]:
+            failed[int(row)] = UnusableObservation(
+                f"{provenance(cue)}: NaN or infinite (inf) features at stamp "
+                f"{observations[row].stamp}"
+            )
+        sound = np.setdiff1d(np.arange(len(self.rows)), spoilt)
+        assert self.features is not None  # or nothing was spoilt
+        return Extracted(
+            self.rows[sound], take(self.features, sound) if len(sound) else None, failed
+        )
+
 
 class Extraction:
     """Asks the cues, every time. A feature cache is a subclass that asks them once.
@@ -76,7 +93,7 @@ class Extraction:
         asked = Extracted.of(
             cue,
             trying(lambda rows: asking(cue, [usable[row] for row in rows]), len(usable), skip=skip),
-        )
+        ).finite(cue, usable)
         there = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
         failed |= {int(there[row]): error for row, error in asked.failed.items()}
         return Extracted(there[asked.rows], asked.features, failed)
@@ -172,7 +189,7 @@ def _asked_one(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:
     [observation] = observations
     check = contracts.features
     features: Features = call(cue, "extract", observation, check=check, at=observation)
-    return _finite(cue, stack([features]), observations)
+    return stack([features])
 
 
 def _asked(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:
@@ -180,15 +197,4 @@ def _asked(cue: Cue, observations: Sequence[Observation]) -> FeatureBatch:
     at = observations[0] if len(observations) == 1 else None
     check = partial(contracts.batch, n=len(observations))
     batch: FeatureBatch = call(cue, "transform", observations, check=check, at=at)
-    return _finite(cue, batch, observations)
-
-
-def _finite(cue: Cue, batch: FeatureBatch, observations: Sequence[Observation]) -> FeatureBatch:
-    spoilt = spoilt_rows(batch)
-    if len(spoilt):
-        where = observations[spoilt[0]]
-        raise ComponentError(
-            f"{provenance(cue)}: {len(spoilt)} of {len(observations)} observations have NaN or "
-            f"infinite (inf) features, the first at stamp {where.stamp}"
-        )
     return batch

@@ -91,3 +91,32 @@ class Faults:
 
     def _at(self, text: str) -> str:
         return f"{self.where}: {text}" if self.where else text
+
+
+class MissingCues:
+    """Counts at how many observations each cue was missing where others were there.
+
+    Attributes
+    ----------
+    counts : Counter of str
+        How often, by cue.
+    first : dict of str to Exception
+        Why, the first time.
+    """
+
+    def __init__(self) -> None:
+        self.counts: Counter[str] = Counter()
+        self.first: dict[str, Exception] = {}
+
+    def add(self, cue: str, why: Exception) -> None:
+        """Count a cue that an observation goes without."""
+        self.counts[cue] += 1
+        self.first.setdefault(cue, why)
+
+    def report(self, total: int) -> None:
+        """Warn of each cue that was missing, in one line; ``total`` observations there were."""
+        for cue, count in self.counts.items():
+            log.warning(
+                f"cue {cue} is missing at {count} of {total} observations, which go on without "
+                f"it; the first: {' '.join(str(self.first[cue]).split())}"
+            )

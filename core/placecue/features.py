@@ -89,6 +89,8 @@ class FeatureParts:
 Features: TypeAlias = NDArray[np.floating] | sparse.csr_array | FeatureParts
 #: Features of n observations, in one piece or in parts.
 FeatureBatch: TypeAlias = OnePart | FeatureParts
+#: The family of each of d features; of features in parts, by the parts of which it is known.
+Families: TypeAlias = Sequence[str] | Mapping[str, Sequence[str]]
 
 
 def kind_of(batch: FeatureBatch) -> FeatureKind:

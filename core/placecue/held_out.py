@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import DataError
+from placecue.errors import DataError, UsageError
 from placecue.evidence import Evidence
 from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
@@ -35,6 +35,8 @@ class HeldOut:
     part : bool
         Whether these are some of the samples that the folds were chosen for; see
         :class:`placecue.TrainingSet`.
+    costs : mapping of str to float, optional
+        What each cue takes, ms a sample, where an integrator wants to be told.
     """
 
     evidence: Evidence
@@ -43,17 +45,31 @@ class HeldOut:
     groups: NDArray[np.int64] | None = None
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     part: bool = False
+    costs: Mapping[str, float] | None = None
 
     def __len__(self) -> int:
         return len(self.labels)
 
     def take(self, rows: Rows | NDArray[np.bool_]) -> HeldOut:
         """Return some of the samples."""
-        stamps = None if self.stamps is None else self.stamps[rows]
-        groups = None if self.groups is None else self.groups[rows]
         labels = self.labels[rows]
-        part = self.part or len(labels) < len(self)
-        return HeldOut(self.evidence.take(rows), labels, stamps, groups, self.folds, part)
+        return replace(
+            self,
+            evidence=self.evidence.take(rows),
+            labels=labels,
+            stamps=None if self.stamps is None else self.stamps[rows],
+            groups=None if self.groups is None else self.groups[rows],
+            part=self.part or len(labels) < len(self),
+        )
+
+    def having(self, cues: Sequence[str]) -> HeldOut:
+        """Return the samples that have every one of the given cues, with the scores of these."""
+        some = self.only(cues)
+        return some.take(np.flatnonzero(some.evidence.known().all(axis=1)))
+
+    def only(self, cues: Sequence[str]) -> HeldOut:
+        """Return all samples with the scores of the given cues, in their order."""
+        return replace(self, evidence=self.evidence.only(cues))
 
     def parted(self, classes: Sequence[str]) -> tuple[HeldOut, HeldOut | None]:
         """Return the samples of the given classes, and those of others, None where there are none.
@@ -74,3 +90,14 @@ class HeldOut:
         """Return (fitting rows, held-out rows) for each fold."""
         samples = self.labels, self.stamps, self.groups
         return cut(self.folds, *samples, part=self.part)
+
+
+def check_unseen(held_out: HeldOut) -> None:
+    """Raise UsageError if the models that gave the scores were trained on some of the samples."""
+    n = int(held_out.evidence.trained_on().sum())
+    if n:
+        raise UsageError(
+            f"the single-cue models were trained on {n} of the {len(held_out)} samples that the "
+            "integrator is to be fitted on, and are too sure of them: give another log "
+            "(integration_log=FILE), none at all, or force_training_scores=true"
+        )

@@ -23,9 +23,20 @@ class Integrator(Estimator, ABC):
     ----------
     version : str
         Changes when the results do, so that a model does not meet another integrator unawares.
+    gaps : bool
+        Whether it copes itself where some samples lack a cue. If not, a copy of it is fitted for
+        each set of cues, and sees only samples that have them all; see :class:`placecue.Schemes`.
+    wants_costs : bool
+        Whether it is to be told what each cue costs (``held_out.costs``).
+    trade_off_ : dict of str to list
+        Of one that need not ask for all cues: a curve, for the training report. One entry a point
+        in ``cost`` (ms a sample), ``balanced_accuracy``, ``used CUE`` (share of the samples) for
+        each cue, and ``chosen`` (bool).
     """
 
     version: ClassVar[str] = "1"
+    gaps: ClassVar[bool] = False
+    wants_costs: ClassVar[bool] = False
 
     @abstractmethod
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
@@ -54,7 +65,8 @@ class Integrator(Estimator, ABC):
         """Return the integrated scores of n observations, NaN for those that cannot be told.
 
         Only the cues asked for through ``evidence.scores`` are extracted; ``evidence.take`` asks
-        for some of the observations only.
+        for some of the observations only. The evidence may be of a cue or of all; scores are of
+        one layout whichever it is.
         """
 
     def unfitted(self) -> Self:
@@ -62,9 +74,18 @@ class Integrator(Estimator, ABC):
         copy: Self = clone(self)
         return copy
 
+    def best(self) -> Integrator:
+        """Return an unfitted copy with the parameters that its search found, where it searched.
+
+        The default returns a copy that searches again.
+        """
+        return self.unfitted()
+
 
 class OnlyCue(Integrator):
     """Stands where there is one cue and nothing to integrate: passes its scores on."""
+
+    gaps = True
 
     def fit(  # noqa: D102
         self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None

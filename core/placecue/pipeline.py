@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
 from typing import Self
 
 import numpy as np
 
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
-from placecue.checks import check_choice
+from placecue.checks import check_choice, check_whole
 from placecue.classifier import Classifier
 from placecue.contracts import area_update
 from placecue.cue import Cue
@@ -22,13 +23,14 @@ from placecue.cue_model import CueModel
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.evidence import ObservedEvidence, StoredEvidence
 from placecue.extraction import Extraction, batched
-from placecue.faults import Faults
+from placecue.faults import Faults, MissingCues
 from placecue.folds import FoldScheme, InterleavedChunks
 from placecue.guard import call
-from placecue.held_out import HeldOut
-from placecue.integration import integrated, unfitted
+from placecue.held_out import HeldOut, check_unseen
+from placecue.integration import unfitted
 from placecue.integrator import Integrator, OnlyCue
 from placecue.learning.collecting import collect
+from placecue.learning.costs import measured
 from placecue.learning.judging import (
     Judged,
     judged_by,
@@ -36,10 +38,11 @@ from placecue.learning.judging import (
     judged_by_integrators,
 )
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
-from placecue.learning.samples import Samples
+from placecue.learning.samples import Samples, Which
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
-from placecue.scores import Probabilities
+from placecue.schemes import Cues, Schemes, sets_of
+from placecue.scores import Probabilities, Scores
 from placecue.semantic_map import UNKNOWN
 from placecue.source import guarded
 
@@ -70,8 +73,12 @@ class Pipeline:
     extraction : Extraction
         How features come from observations: straight from the cues, unless one sets a cache here.
     on_error : {"stop", "skip"}
-        What becomes of an observation at which a component fails: the error, or it is passed over
-        and counted.
+        What becomes of an observation at which a component fails: the error, or the cue is missing
+        there; an observation without any is passed over and counted.
+    min_cues : int
+        An observation that has fewer cues is passed over.
+    for_fewer_ : dict of tuple of str to Integrator
+        Copies of the integrator for where cues are missing, fitted by :meth:`fit`.
     rejection_ : Rejection or None
         The threshold below which a decision is "unknown", chosen by :meth:`fit`.
     held_out_ : HeldOut or None
@@ -110,9 +117,12 @@ class Pipeline:
         self.unknown = unknown
         self.extraction = Extraction()
         self.on_error = "stop"
+        self.min_cues = 1
+        self.for_fewer_: dict[Cues, Integrator] = {}
         self.rejection_: Rejection | None = None
         self.held_out_: HeldOut | None = None
         self.judged_: list[Judged] | None = None
+        self._trained_on: Which | None = None
 
     # ------------------------------------------------------------------ one observation
 
@@ -122,7 +132,8 @@ class Pipeline:
         Parameters
         ----------
         observations : sequence of Observation
-            A batch; cues are extracted only as far as the integrator asks for them.
+            A batch; cues are extracted only as far as the integrator asks for them. Where one is
+            missing the others are integrated without it.
 
         Returns
         -------
@@ -132,40 +143,61 @@ class Pipeline:
         Raises
         ------
         UnusableObservation
-            If a part that a cue needs is missing or spoilt in one of them.
+            If one of them has no cue, or fewer than :attr:`min_cues`.
         """
         beliefs = []
-        for belief in self._beliefs(observations):
+        for belief in self._beliefs(observations, MissingCues()):
             if isinstance(belief, UnusableObservation):
                 raise belief
             beliefs.append(belief)
         return beliefs
 
     def _beliefs(
-        self, observations: Sequence[Observation]
+        self, observations: Sequence[Observation], missing: MissingCues
     ) -> Iterator[Belief | UnusableObservation]:
-        """Yield the belief of each observation, or why there is none."""
+        """Yield the belief of each observation, or why there is none; count missing cues."""
         evidence = ObservedEvidence(  # extract, score
             observations, self.cues, self.extraction, skip=self.skips
         )
-        scores, failed = integrated(  # integrate
-            self.integrator, evidence, observations, skip=self.skips
+        scores, failed = self.schemes.integrate(  # integrate
+            evidence, observations, skip=self.skips
         )
-        there = np.flatnonzero(scores.available())
+        known = evidence.known()
+        there = np.flatnonzero(scores.available() & (known.sum(axis=1) >= self.least))
         decision = scores[there].decide()  # decide
         labels = decision.labels if self.rejection_ is None else self.rejection_.labels(decision)
         decided = dict(zip(there.tolist(), range(len(there)), strict=True))
         for row, observation in enumerate(observations):
+            lacking = [cue for cue, has in zip(evidence.cues, known[row], strict=True) if not has]
             if row not in decided:
-                yield failed.get(row) or evidence.reason(row)
+                yield failed.get(row) or self._too_few(evidence, row, lacking)
                 continue
+            for cue in lacking:
+                missing.add(cue, evidence.why(cue, row))
             yield Belief(
                 stamp=observation.stamp,
                 scores=scores[row : row + 1].read_only(),
                 label=str(labels[decided[row]]),
                 confidence=float(decision.confidence[decided[row]]),
                 cue_scores=evidence.scores_at(row),
+                cues_missing=tuple(lacking),
             )
+
+    def _too_few(
+        self, evidence: ObservedEvidence, row: int, lacking: Sequence[str]
+    ) -> UnusableObservation:
+        """Return why too few cues are there to tell anything of an observation."""
+        if not lacking:
+            return evidence.reason(row)
+        why = evidence.why(lacking[0], row)
+        if len(lacking) == len(self.cues):
+            return why
+        error = UnusableObservation(
+            f"{len(self.cues) - len(lacking)} of {len(self.cues)} cues, where min_cues asks for "
+            f"{self.least}: {why}"
+        )
+        error.__cause__ = why
+        return error
 
     def label(
         self, observations: Iterable[Observation], accumulator: Accumulator, batch: int = 1
@@ -188,7 +220,7 @@ class Pipeline:
     ) -> Iterator[tuple[Observation, Belief | None]]:
         """Pair each observation with its belief, None where it was unusable.
 
-        What was passed over is reported once, at the end.
+        What was passed over is reported once, at the end, and which cues were missing how often.
 
         Parameters
         ----------
@@ -203,10 +235,10 @@ class Pipeline:
         DataError
             If no observation was usable.
         """
-        faults, total = Faults(), 0
+        faults, missing, total = Faults(), MissingCues(), 0
         for group in batched(guarded(observations), batch):
             total += len(group)
-            for observation, belief in zip(group, self._beliefs(group), strict=True):
+            for observation, belief in zip(group, self._beliefs(group, missing), strict=True):
                 if isinstance(belief, UnusableObservation):
                     faults.pass_over(belief)
                     yield observation, None
@@ -215,6 +247,7 @@ class Pipeline:
         if total == 0:
             raise DataError("the log holds no observation")
         faults.report_of(total)
+        missing.report(total)
 
     def beliefs(self, observations: Iterable[Observation], batch: int = 1) -> Iterator[Belief]:
         """Yield the belief of each usable observation; see :meth:`follow`."""
@@ -228,6 +261,7 @@ class Pipeline:
         integration: Iterable[Observation] | None = None,
         *,
         reliability: bool = False,
+        force_training_scores: bool = False,
     ) -> Self:
         """Train the single-cue models, then the integrator on scores that they have not seen.
 
@@ -244,9 +278,14 @@ class Pipeline:
         reliability : bool
             Set :attr:`judged_` also for the sake of a reliability diagram alone: where a cue or
             the integrator gives probabilities and no "unknown" is asked for.
+        force_training_scores : bool
+            Fit the integrator even on scores of samples that the single-cue models were trained
+            on, which are better than those of others will be.
 
         Raises
         ------
+        UsageError
+            If the integration log holds observations that were trained on, unless that is forced.
         DataError
             If there are no labels, fewer than two classes, a class of one sample, or one called
             "unknown" where that is to be said of what is none of the classes.
@@ -258,7 +297,7 @@ class Pipeline:
         judges = self.unknown is not None or (reliability and self._tells_probabilities())
         unseen = foreign = None
         if integration is not None and (self.integrates or judges):
-            unseen, foreign = self._unseen(integration)
+            unseen, foreign = self._unseen(integration, force_training_scores)
         elif integration is not None:
             log.warning(
                 "the integration log is not used: one cue needs no integration, and neither "
@@ -267,21 +306,28 @@ class Pipeline:
         self.held_out_ = unseen
         if self.integrates:
             self.held_out_ = self.held_out(samples) if unseen is None else unseen
-            self.fit_integrator(self.held_out_)
+            self.fit_integrator(self.held_out_, force_training_scores=force_training_scores)
             judges |= reliability and self._tells_probabilities()
         if judges:
             self.judged_ = self._judged(samples, unseen)
         if self.unknown is not None and self.judged_ is not None:
             judged = list(self.judged_)
             if foreign is not None:
-                judged.append(judged_by(self.integrator, foreign, skip=self.skips))
+                judged.append(judged_by(self.schemes, foreign, skip=self.skips))
             self.fit_rejection(judged)
         return self
 
     def collect(self, observations: Iterable[Observation]) -> Samples:
         """Read labelled observations and extract every cue that learns nothing, for the fits."""
         cues = {name: model.cue for name, model in self.cues.items()}
-        samples = collect(observations, cues, self.extraction, self.folds, skip=self.skips)
+        samples = collect(
+            observations,
+            cues,
+            self.extraction,
+            self.folds,
+            skip=self.skips,
+            min_cues=self.least,
+        )
         self._check_names(samples)
         return samples
 
@@ -295,6 +341,7 @@ class Pipeline:
         """
         for name, model in track(self.cues.items(), "training", len(self.cues)):
             model.fit(samples.training_set(name, model.cue))
+        self._trained_on = samples.which()
         return self
 
     def held_out(self, samples: Samples) -> HeldOut:
@@ -313,14 +360,29 @@ class Pipeline:
             training = samples.training_set(name, model.cue)
             unseen = model.held_out(training, self.folds, name=name)
             scores[name] = unseen.spread(samples.trained_on(name, model.cue), len(samples))
-        held_out = self._complete(samples, StoredEvidence(scores))
+        held_out = self._with_some(samples, StoredEvidence(scores))
         if held_out is None:
             raise DataError("no sample has out-of-fold scores: give more training samples")
         return held_out
 
-    def fit_integrator(self, held_out: HeldOut) -> Self:
-        """Fit the integrator on scores that the single-cue models have not been trained on."""
-        call(self.integrator, "train", held_out)
+    def fit_integrator(self, held_out: HeldOut, *, force_training_scores: bool = False) -> Self:
+        """Fit the integrator on scores that the single-cue models have not been trained on.
+
+        Copies of it are fitted for where cues are missing; see :class:`placecue.Schemes`.
+
+        Raises
+        ------
+        UsageError
+            If they are known to have been trained on some of the samples, unless that is forced.
+        """
+        if not force_training_scores:
+            check_unseen(held_out)
+        schemes = Schemes.fit(self.integrator, held_out, self._sets())
+        self.for_fewer_ = {
+            cues: scheme
+            for cues, scheme in schemes.by_cues.items()
+            if scheme is not self.integrator
+        }
         return self
 
     def fit_rejection(self, judged: Sequence[Judged]) -> Self:
@@ -334,30 +396,65 @@ class Pipeline:
         return self
 
     def evidence_of(self, samples: Samples) -> StoredEvidence:
-        """Return the scores of labelled samples that were not trained on; NaN where it cannot."""
+        """Return the scores of labelled samples, NaN where there are none.
+
+        The evidence knows which of them the single-cue models were trained on.
+        """
         scores = {}
         for name, model in self.cues.items():
             found = samples.features(name, model.cue)
-            assert found.features is not None  # or nothing was usable
-            scored = model.tried(found.features, skip=self.skips)
+            if found.features is None:
+                nothing = np.empty((0, len(model.layout.columns)))
+                scored = Scores(nothing, model.layout)
+            else:
+                scored = model.tried(found.features, skip=self.skips)
             scores[name] = scored.spread(found.rows, len(samples))
-        return StoredEvidence(scores)
+        known = self._trained_on
+        return StoredEvidence(scores, None if known is None else samples.which().among(known))
 
-    def _complete(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
-        """Return the samples with scores of every cue; None where there is none."""
+    def _with_some(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
+        """Return the samples with scores of a cue or more; None where there is none."""
         cut = samples.labels, samples.stamps, samples.groups
-        held_out = HeldOut(evidence, *cut, self.folds, part=True)
-        known = np.logical_and.reduce([evidence.available(cue) for cue in evidence.cues])
+        held_out = HeldOut(evidence, *cut, self.folds, part=True, costs=self._costs(samples))
+        known = evidence.known().any(axis=1)
         if not known.any():
             return None
         return held_out if known.all() else held_out.take(np.flatnonzero(known))
+
+    def _costs(self, samples: Samples) -> dict[str, float] | None:
+        """Return what each cue takes, ms a sample, where the integrator wants to be told."""
+        return measured(self.cues, samples.reread()) if self.integrator.wants_costs else None
+
+    def _sets(self) -> list[Cues]:
+        """Return the sets of cues that there are to be schemes for."""
+        needs = {name: set(model.cue.requires) for name, model in self.cues.items()}
+        some = (set(parts) for n in range(len(PARTS)) for parts in combinations(PARTS, n))
+        together = [tuple(name for name, need in needs.items() if need <= have) for have in some]
+        return sets_of(tuple(self.cues), together)
 
     def unfitted(self) -> Pipeline:
         """Return a copy that has learned nothing, with the same parameters and extraction."""
         cues = {name: model.unfitted() for name, model in self.cues.items()}
         copy = Pipeline(cues, unfitted(self.integrator), self.folds, self.unknown)
         copy.extraction, copy.on_error = self.extraction, self.on_error
+        copy.min_cues = self.min_cues
         return copy
+
+    @property
+    def schemes(self) -> Schemes:
+        """The integrator, and its copies for where cues are missing."""
+        return Schemes({tuple(self.cues): self.integrator, **self.for_fewer_})
+
+    @property
+    def least(self) -> int:
+        """How many cues an observation must have, checked."""
+        check_whole("min_cues", self.min_cues, least=1)
+        if self.min_cues > len(self.cues):
+            raise UsageError(
+                f"min_cues is {self.min_cues}, and there are {len(self.cues)} cues "
+                f"({', '.join(self.cues)}): give at most {len(self.cues)}"
+            )
+        return self.min_cues
 
     @property
     def integrates(self) -> bool:
@@ -374,15 +471,15 @@ class Pipeline:
         if held_out is None:
             return judged_by_copies(self, samples)
         if not self.integrates:
-            return [judged_by(self.integrator, held_out, skip=self.skips)]
-        return judged_by_integrators(self.integrator, held_out, skip=self.skips)
+            return [judged_by(self.schemes, held_out, skip=self.skips)]
+        return judged_by_integrators(self.integrator, held_out, self._sets(), skip=self.skips)
 
     def _tells_probabilities(self) -> bool:
         """Tell whether a cue, or the fitted integrator, gives probabilities."""
         layouts = [model.layout for model in self.cues.values()]
         if self.held_out_ is not None and self.integrates:
             one = self.held_out_.take(np.array([0]))
-            layouts.append(judged_by(self.integrator, one, skip=self.skips).scores.layout)
+            layouts.append(judged_by(self.schemes, one, skip=self.skips).scores.layout)
         return any(isinstance(layout, Probabilities) for layout in layouts)
 
     def _check_names(self, samples: Samples) -> None:
@@ -393,12 +490,16 @@ class Pipeline:
                 f"{{{UNKNOWN}: null}}), or leave out unknown.false_accept_rate"
             )
 
-    def _unseen(self, observations: Iterable[Observation]) -> tuple[HeldOut, HeldOut | None]:
+    def _unseen(
+        self, observations: Iterable[Observation], force_training_scores: bool
+    ) -> tuple[HeldOut, HeldOut | None]:
         """Return the evidence of another sequence, and that of other places in it, if any."""
         unseen = self.collect(observations)
-        every = self._complete(unseen, self.evidence_of(unseen))
+        every = self._with_some(unseen, self.evidence_of(unseen))
         if every is None:
-            raise DataError("no sample of the integration log has scores of every cue")
+            raise DataError("no sample of the integration log has scores of a cue")
+        if not force_training_scores:
+            check_unseen(every)
         held_out, foreign = every.parted(self.classes)
         missing = set(self.classes) - set(held_out.labels.tolist())
         if missing and self.integrates:

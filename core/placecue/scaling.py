@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.checks import check_whole
-from placecue.estimator import Estimator
+from placecue import contracts
+from placecue.checks import check_number, check_whole
+from placecue.errors import UsageError, choices
+from placecue.estimator import Estimator, clone
+from placecue.guard import call
 
 Matrix = NDArray[np.float64]
 
@@ -20,12 +25,25 @@ _ROWS = 64
 class Scaling(Estimator, ABC):
     """Maps each column of a matrix by what was learned from training samples.
 
-    What is learned is plain arrays under names that end in ``_``.
+    What is learned is plain arrays, or scalings, under names that end in ``_``.
     """
 
     @abstractmethod
     def fit(self, features: Matrix) -> Self:
         """Learn from training samples, shape (n, d)."""
+
+    def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
+        """Learn from training samples whose columns belong to families; what a classifier calls.
+
+        Override it where that matters. The default calls :meth:`fit`.
+
+        Parameters
+        ----------
+        features : ndarray of float64, shape (n, d)
+        families : sequence of d names, optional
+            The family of each column; see :attr:`placecue.Cue.families`.
+        """
+        return self.fit(features)
 
     @abstractmethod
     def transform(self, features: Matrix) -> Matrix:
@@ -102,3 +120,86 @@ class QuantileScaling(Scaling):
         # A value that is a quantile, perhaps several, gets the middle of its plateau.
         place = np.where(up_to > below, (below + up_to - 1) / 2, between)
         return np.asarray(2 * place / last - 1)
+
+
+class FamilyScaling(Scaling):
+    """Gives every family of features the same weight, however many features it has.
+
+    Another scaling first maps the columns to like ranges; each is then multiplied by sqrt(w / k),
+    k the number of columns in its family and w the family's weight. So a family's part of a
+    squared distance is a mean over its columns, not a sum. Columns without families are scaled as
+    the other scaling does.
+
+    Parameters
+    ----------
+    scaling : Scaling, optional
+        Scales the columns first; the training quantiles by default.
+    weights : mapping of str to float, optional
+        Weights of families in a squared distance, such as ``{"fourier": 0.5}``; 1 where it says
+        nothing, and 0 leaves a family out.
+
+    Attributes
+    ----------
+    scaling_ : Scaling
+        The fitted one.
+    weights_ : ndarray of float64, shape (d,)
+        What the scaled columns are multiplied by.
+    """
+
+    def __init__(
+        self, scaling: Scaling | None = None, weights: Mapping[str, float] | None = None
+    ) -> None:
+        self.scaling = scaling
+        self.weights = weights
+
+    def check_parameters(self) -> None:  # noqa: D102
+        if self.scaling is not None and not isinstance(self.scaling, Scaling):
+            raise UsageError(f"scaling.scaling must be a Scaling or None, got {self.scaling!r}")
+        if self.weights is not None and not isinstance(self.weights, Mapping):
+            raise UsageError(
+                f"scaling.weights must be numbers by family, such as {{fourier: 0.5}}, or None, "
+                f"got {self.weights!r}"
+            )
+        for family, weight in (self.weights or {}).items():
+            check_number(f"scaling.weights.{family}", weight, least=0)
+
+    def fit(self, features: Matrix) -> Self:  # noqa: D102
+        return self.train(features)
+
+    def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
+        """Learn from training samples; see :meth:`Scaling.train`.
+
+        Raises
+        ------
+        UsageError
+            If a weight is for a family that is not there.
+        """
+        self.check_parameters()
+        inner = QuantileScaling() if self.scaling is None else clone(self.scaling)
+        call(inner, "train", features, families)
+        self.scaling_ = inner
+        self.weights_ = np.ones(features.shape[1])
+        if families is not None:
+            self.weights_ = self._weights_of(families)
+        elif self.weights:
+            raise UsageError(
+                f"scaling.weights names {', '.join(self.weights)}, and the features are in no "
+                "families: choose scaling.weights=null for this cue"
+            )
+        return self
+
+    def transform(self, features: Matrix) -> Matrix:  # noqa: D102
+        check = partial(contracts.scaled, shape=features.shape)
+        scaled: Matrix = call(self.scaling_, "transform", features, check=check)
+        return scaled * self.weights_
+
+    def _weights_of(self, families: Sequence[str]) -> Matrix:
+        """Return the factor of each column, shape (d,)."""
+        names, of, sizes = np.unique(families, return_inverse=True, return_counts=True)
+        given = self.weights or {}
+        for family in given:
+            if family not in names:
+                known = choices(family, names.tolist())
+                raise UsageError(f"scaling.weights has no family '{family}' to weigh; {known}")
+        weights = np.array([given.get(name, 1.0) for name in names.tolist()], dtype=np.float64)
+        return np.asarray(np.sqrt(weights / sizes)[of])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import DataError
-from placecue.features import FeatureBatch, join, take
+from placecue.features import Families, FeatureBatch, join, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
 
@@ -38,6 +38,9 @@ class TrainingSet:
     part : bool
         Whether these are some of the samples that the folds were chosen for, such as the rest of
         a fold; they are cut into interleaved chunks where they cannot be cut as all would be.
+    families : tuple of str, or mapping of str to such, optional
+        The family of each of d features, for scalings that weigh families, or by part; see
+        :attr:`placecue.Cue.families`.
     """
 
     features: FeatureBatch
@@ -48,6 +51,7 @@ class TrainingSet:
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     relearn: Callable[[Rows], TrainingSet] | None = None
     part: bool = False
+    families: Families | None = None
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -97,7 +101,9 @@ class TrainingSet:
         What is held out of a fold must be held out of the cue too: a codebook that was learned
         from a sample tells something of it. Of a cue that learns nothing it is this set.
         """
-        return self if self.relearn is None else self.relearn(np.arange(len(self))[rows])
+        if self.relearn is None:
+            return self
+        return replace(self.relearn(np.arange(len(self))[rows]), families=self.families)
 
     # ------------------------------------------------------------------ copies
 

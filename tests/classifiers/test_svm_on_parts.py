@@ -84,7 +84,7 @@ def test_weights_are_learned_from_the_training_rows_of_each_fold() -> None:
     # Once for all to train on in the end, once in each fold of the search.
     seen = sorted(Watched.SEEN, key=lambda each: len(each[0]))
     assert sorted(each for each, _ in seen[:-1]) == sorted(expected)
-    assert seen[-1] == (near.tolist(), svm.codes(LABELS).tolist())
+    assert seen[-1] == (near.tolist(), LABELS.tolist())
     Watched.SEEN.clear()
     held_out = list(svm.out_of_fold(training, training.split()))
     assert sorted(each for each, _ in Watched.SEEN) == sorted(expected)

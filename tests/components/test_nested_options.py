@@ -59,11 +59,28 @@ def test_a_classifier_may_have_folds_of_its_own(word: str) -> None:
     assert pipeline["cues"]["laser"]["classifier"]["folds"] == blocks
 
 
+def families(**inner: object) -> dict[str, object]:
+    """What the laser's SVM scales by: families of features, on top of another scaling."""
+    return {"plugin": "families", "scaling": inner, "weights": None}
+
+
 @pytest.mark.parametrize(
     ("words", "scaling"),
     [
-        ([], {"plugin": "quantiles", "n_quantiles": 100}),
-        ([f"{LASER}.scaling.n_quantiles=9"], {"plugin": "quantiles", "n_quantiles": 9}),
+        ([], families(plugin="quantiles", n_quantiles=100)),
+        (
+            [f"{LASER}.scaling.scaling.n_quantiles=9"],
+            families(plugin="quantiles", n_quantiles=9),
+        ),
+        ([f"scaling@{LASER}.scaling.scaling=standard"], families(plugin="standard")),
+        (
+            [f"{LASER}.scaling.weights={{fourier: 0.5}}"],
+            {**families(plugin="quantiles", n_quantiles=100), "weights": {"fourier": 0.5}},
+        ),
+        (
+            [f"scaling@{LASER}.scaling=quantiles"],
+            {"plugin": "quantiles", "n_quantiles": 100},
+        ),
         ([f"{LASER}.scaling=range"], {"plugin": "range"}),
         ([f"scaling@{LASER}.scaling=range"], {"plugin": "range"}),
         ([f"{LASER}.scaling=null"], None),

@@ -162,7 +162,7 @@ def test_a_spoilt_one_in_a_batch_costs_itself(cached: bool, tmp_path: Path) -> N
     samples = collect(Walk(rounds=1), {"cue": Together()}, extraction)
     assert samples.stamps.tolist() == [each.stamp for each in log if each.stamp not in SPOILT]
     wanted = [each.scan.filled()[:4] for each in log if each.stamp not in SPOILT]
-    np.testing.assert_array_equal(samples.extracted["cue"][0], wanted)
+    np.testing.assert_array_equal(samples.extracted["cue"].features[0], wanted)
     # The batch it lies in is asked for one by one, the others are not.
     assert sorted(SIZES) == sorted([*WHOLE, *[1] * 32])
 

@@ -59,7 +59,8 @@ def test_copies_see_nothing_of_what_they_are_judged_on() -> None:
 
     class WatchedDAS(SVMDAS):
         def train(self, held_out):  # type: ignore[no-untyped-def]
-            seen.append(("integrator", set(np.asarray(held_out.stamps).tolist())))
+            if len(held_out.evidence.cues) > 1:  # and not a copy for where one is missing
+                seen.append(("integrator", set(np.asarray(held_out.stamps).tolist())))
             return super().train(held_out)
 
     cues = {"beams": (Beams(), Watched(RBF(0.1))), "few": (Beams(2), Watched(RBF(0.1)))}
@@ -83,16 +84,18 @@ def test_another_sequence_is_judged_by_copies_of_the_integrator_alone() -> None:
 
     class Watched(SVMDAS):
         def train(self, held_out):  # type: ignore[no-untyped-def]
-            searched.append((self.classifier.search, len(held_out)))
+            searched.append((self.classifier.search, len(held_out), held_out.evidence.cues))
             return super().train(held_out)
 
     cues = {"beams": (Beams(), SVM(RBF(0.1))), "few": (Beams(2), SVM(RBF(0.1)))}
     das = Watched(SVM(RBF(), search=SEARCH))
     trained = Pipeline(cues, das, unknown=Unknown(0.1)).fit(Walk(), Walk(seed=2))
-    # The whole, then five folds, each with a search of its own.
-    assert [each[0] for each in searched] == [SEARCH] * 6
-    assert searched[0][1] == 320
-    assert sum(320 - each[1] for each in searched[1:]) == 320
+    # The whole, then five folds, each with a search of its own, for every set of cues.
+    sets = [("beams", "few"), ("beams",), ("few",)]
+    assert searched[:3] == [(SEARCH, 320, cues) for cues in sets]
+    assert [each[2] for each in searched] == sets * 6
+    assert [each[0] for each in searched] == [SEARCH] * 18
+    assert sum(320 - each[1] for each in searched[3::3]) == 320
     assert trained.rejection_ is not None
     assert trained.rejection_.n_right + trained.rejection_.n_wrong == 320
 
@@ -154,7 +157,7 @@ def test_stamps_reach_the_integrator_s_folds() -> None:
     cues = {"beams": (Beams(), SVM(RBF(0.1))), "few": (Beams(2), SVM(RBF(0.1)))}
     Pipeline(cues, SVMDAS(Watched(RBF(0.3)))).fit(Walk())
     stamps = np.array([each.stamp for each in Walk()])
-    assert len(cut) == 5
+    assert len(cut) == 5 * 3  # for both cues, and for each where the other is missing
     for held_out in cut:
         chunks = np.unique(stamps[held_out] // (2 * SECOND))
         assert len(held_out) == 10 * len(chunks)  # 2 s at 5 Hz

@@ -111,8 +111,8 @@ def test_unusable_observations_are_passed_over_and_reported_once(
 ) -> None:
     walk = list(Walk(rounds=1, seed=1))
     nothing = LaserScan(np.zeros(6), np.full(6, np.nan), 0.0, 20.0)
-    walk[3] = Observation(walk[3].stamp, image=walk[3].image, scan=nothing, label="lab")
-    walk[9] = Observation(walk[9].stamp, scan=walk[9].scan, label="lab")
+    walk[3] = Observation(walk[3].stamp, scan=nothing, label="lab")
+    walk[9] = Observation(walk[9].stamp, label="lab")
     with caplog.at_level(logging.WARNING):
         pairs = list(fitted.follow(walk, batch=8))
     assert [number for number, (_, belief) in enumerate(pairs) if belief is None] == [3, 9]
@@ -132,8 +132,8 @@ def test_nothing_usable_is_an_error(fitted: Pipeline) -> None:
         pipeline().fit(walk)
     with pytest.raises(DataError, match="holds no observation"):
         list(fitted.beliefs([]))
-    with pytest.raises(UnusableObservation, match="no image"):
-        fitted.believe([Observation(0, scan=Walk().at(0).scan)])
+    with pytest.raises(UnusableObservation, match="no scan at stamp 0"):
+        fitted.believe([Observation(0)])
 
 
 def test_training_needs_labels_of_two_classes_with_two_samples_each() -> None:

@@ -5,7 +5,13 @@ import pytest
 from sklearn.preprocessing import MinMaxScaler, StandardScaler
 
 from placecue import UsageError
-from placecue.scaling import QuantileScaling, RangeScaling, Scaling, StandardScaling
+from placecue.scaling import (
+    FamilyScaling,
+    QuantileScaling,
+    RangeScaling,
+    Scaling,
+    StandardScaling,
+)
 
 TRAINING = np.random.default_rng(0).gamma(2.0, size=(200, 4)) * [1, 10, 0.1, 5]
 OTHER = np.random.default_rng(1).gamma(2.0, size=(50, 4)) * [1, 10, 0.1, 5]
@@ -48,3 +54,58 @@ def test_how_many_quantiles_are_kept_is_a_parameter() -> None:
     for wrong in (1, 2.5, True):
         with pytest.raises(UsageError, match=r"scaling\.n_quantiles is .*; give a whole number"):
             QuantileScaling(n_quantiles=wrong).fit(TRAINING)  # type: ignore[arg-type]
+
+
+#: Three gaps and one size, each from -1 to 1 once scaled by its range.
+FAMILIES = ("gaps", "size", "gaps", "gaps")
+CORNERS = np.array([[0.0, 2.0, 0.0, 0.0], [4.0, 6.0, 9.0, 100.0]])
+
+
+def distance(scaling: Scaling) -> float:
+    """Squared distance between the corners, scaled: 2 squared in each column before weighing."""
+    low, high = scaling.transform(CORNERS)
+    return float(((high - low) ** 2).sum())
+
+
+def test_families_count_the_same_whatever_their_size() -> None:
+    fitted = FamilyScaling(RangeScaling()).train(CORNERS, FAMILIES)
+    third = 1 / np.sqrt(3)
+    assert fitted.transform(CORNERS)[1] == pytest.approx([third, 1, third, third])
+    assert distance(fitted) == pytest.approx(4 + 4)
+
+
+@pytest.mark.parametrize(("weight", "expected"), [(0.25, 4 + 1), (0, 4), (3.0, 4 + 12)])
+def test_a_family_may_weigh_more_or_less(weight: float, expected: float) -> None:
+    scaling = FamilyScaling(RangeScaling(), weights={"gaps": weight})
+    assert distance(scaling.train(CORNERS, FAMILIES)) == pytest.approx(expected)
+
+
+def test_without_families_it_is_the_other_scaling() -> None:
+    plain = QuantileScaling().fit(TRAINING).transform(OTHER)
+    for fitted in (FamilyScaling().fit(TRAINING), FamilyScaling().train(TRAINING, None)):
+        np.testing.assert_array_equal(fitted.transform(OTHER), plain)
+
+
+def test_families_reach_the_scaling_inside() -> None:
+    both = FamilyScaling(FamilyScaling(RangeScaling())).train(CORNERS, FAMILIES)
+    assert distance(both) == pytest.approx(4 + 4 / 3)
+
+
+@pytest.mark.parametrize(
+    ("weights", "families", "message"),
+    [
+        ({"gap": 0.5}, FAMILIES, "no family 'gap' to weigh; did you mean 'gaps'"),
+        ({"gaps": -1}, FAMILIES, r"scaling\.weights\.gaps is -1; give a number of at least 0"),
+        ({"gaps": "much"}, FAMILIES, r"scaling\.weights\.gaps is 'much'; give a number"),
+        ([1, 2], FAMILIES, r"scaling\.weights must be numbers by family"),
+        ({"gaps": 0.5}, None, r"weights names gaps, and the features are in no families"),
+    ],
+)
+def test_weights_that_cannot_be(weights: object, families: object, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        FamilyScaling(weights=weights).train(CORNERS, families)  # type: ignore[arg-type]
+
+
+def test_what_is_no_scaling_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"scaling\.scaling must be a Scaling or None, got '"):
+        FamilyScaling("range").fit(CORNERS)  # type: ignore[arg-type]

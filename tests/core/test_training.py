@@ -218,7 +218,8 @@ def test_the_pipeline_s_folds_are_inherited() -> None:
     integrator = SVMDAS(SVM(RBF(0.3), search={"C": [1, 10]}))
     Pipeline(cues, integrator, folds=noted("pipeline")).fit(Walk())
     searches = ["pipeline", "own", "pipeline"]
-    assert asked == [*searches, *["pipeline"] * 3, "pipeline"]  # out-of-fold, the integrator's
+    # Out-of-fold, and the integrator's of each set of three cues.
+    assert asked == [*searches, *["pipeline"] * 3, *["pipeline"] * 7]
 
 
 def test_samples_are_learned_from_in_their_order_and_once() -> None:

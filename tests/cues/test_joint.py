@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,15 +12,21 @@ from scipy import sparse
 from placecue import (
     Cue,
     Extraction,
+    FamilyScaling,
     FeatureParts,
     Observation,
+    Pipeline,
     UnusableObservation,
     UsageError,
+    contracts,
 )
 from placecue.errors import ComponentError, ContractError
 from placecue.features import stack
+from placecue.learning.families import families_of
+from placecue_classifiers.svm import SVM
 from placecue_cues.joint import Joint
 from placecue_cues.laser import LaserGeometry
+from placecue_kernels.rbf import RBF
 from toys import Beams, Brightness, Walk
 
 WALK = list(Walk(rounds=1, stay=3))
@@ -158,3 +165,27 @@ def test_wrong_parts(parts: object, said: str) -> None:
     for asked in ("check_parameters", "transform", "fit"):
         with pytest.raises(UsageError, match=said):
             getattr(Joint(parts), asked)(*([WALK] if asked != "check_parameters" else []))  # type: ignore[arg-type]
+
+
+def test_families_of_parts() -> None:
+    laser = LaserGeometry()
+    cue = Joint({"laser": laser, "beams": Beams()})
+    assert cue.families == {"laser": laser.families}
+    batch = cue.transform(WALK)
+    assert families_of(cue, batch) == {"laser": tuple(laser.families)}
+    for families, said in (
+        ({"laser": ["a"] * 3}, "names 3 columns of 182"),
+        ({"lazer": ["a"]}, "names the parts lazer of laser, beams"),
+    ):
+        assert contracts.families(families, batch) == said
+
+
+def test_each_part_is_scaled_with_its_families() -> None:
+    seen = list(Walk(rounds=2, stay=8))
+    cue = Joint({"laser": LaserGeometry(), "beams": Beams()})
+    pipeline = Pipeline({"joint": (cue, SVM(RBF(0.1), scaling=FamilyScaling()))}).fit(seen)
+    scaling = pipeline.cues["joint"].classifier.scaling_  # type: ignore[attr-defined]
+    sizes = Counter(LaserGeometry().families)
+    expected = [1 / np.sqrt(sizes[name]) for name in LaserGeometry().families]
+    assert scaling["laser"].weights_.tolist() == pytest.approx(expected)
+    assert scaling["beams"].weights_.tolist() == [1, 1, 1, 1]

@@ -106,8 +106,10 @@ def test_kernels_by_kind() -> None:
         "v": RBF,
         "points": Match,
     }
-    assert kernel.kernels_["v"].gamma == 1 / 4  # type: ignore[attr-defined]
-    expected = Chi2().gram(A[:2, :3]) + RBF(0.25).gram(A[:2, 3:]) + Match().gram(sets)
+    # The variance of two numbers is a quarter of their squared difference.
+    gamma = 4 / float(((A[0, 3:] - A[1, 3:]) ** 2).sum())
+    assert kernel.gammas_ == {"v": pytest.approx(gamma)}
+    expected = Chi2().gram(A[:2, :3]) + RBF(gamma).gram(A[:2, 3:]) + Match().gram(sets)
     np.testing.assert_allclose(kernel.gram(batch), expected)
     assert not kernel.positive_definite
     with pytest.raises(UsageError, match="chooses its kernels in training: fit it first, or give"):

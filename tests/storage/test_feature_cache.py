@@ -245,9 +245,9 @@ def test_a_cue_changed_in_place_is_another(tmp_path: Path) -> None:
 
     with FeatureCache(tmp_path, REGISTRY) as cache:
         log, cue = Walk(), Listed([1.0])
-        first = collect(log, {"cue": cue}, cache).extracted["cue"][0]
+        first = collect(log, {"cue": cue}, cache).extracted["cue"].features[0]
         cue.factors.append(1.0)
-        second = collect(log, {"cue": cue}, cache).extracted["cue"][0]
+        second = collect(log, {"cue": cue}, cache).extracted["cue"].features[0]
     np.testing.assert_allclose(second, 2 * first)
 
 

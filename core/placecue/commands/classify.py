@@ -9,7 +9,7 @@ from placecue import progress
 from placecue.atomic import made, write_json
 from placecue.commands import files, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import on_error_of, open_source
+from placecue.commands.logs import open_source, set_tolerance
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.evaluation.tally import Tally
@@ -26,7 +26,7 @@ def run(config: dict[str, Any]) -> None:
     """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
-    pipeline.on_error = on_error_of(config)
+    set_tolerance(pipeline, config)
     table, annotated, metrics = (out / name for name in files.CLASSIFIED)
     tally = Tally()
     tally.says_unknown = pipeline.rejection_ is not None

@@ -10,7 +10,7 @@ from placecue import contracts, progress
 from placecue.atomic import made, write_json
 from placecue.commands import files, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import on_error_of, open_source
+from placecue.commands.logs import open_source, set_tolerance
 from placecue.commands.paths import path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
@@ -44,7 +44,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     """Run a model over a log and write everything that comes of it into ``out``."""
     plugins = current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
-    pipeline.on_error = on_error_of(config)
+    set_tolerance(pipeline, config)
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     surroundings = Surroundings()
     tally.says_unknown = pipeline.rejection_ is not None

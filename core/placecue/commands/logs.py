@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from placecue.checks import check_choice
 from placecue.components.build import build
@@ -14,6 +14,9 @@ from placecue.labels.relabelled import Relabelled
 from placecue.labels.rooms import read_rooms
 from placecue.observation import PARTS, Part
 from placecue.source import Chain, Source, guarded
+
+if TYPE_CHECKING:
+    from placecue.pipeline import Pipeline
 
 #: What may become of an observation that a component fails on; the first by default.
 ON_ERROR = ("stop", "skip")
@@ -112,6 +115,19 @@ def on_error_of(config: Mapping[str, Any]) -> str:
     on_error: str = config.get("on_error", ON_ERROR[0])
     check_choice("on_error", on_error, ON_ERROR)
     return on_error
+
+
+def set_tolerance(pipeline: Pipeline, config: Mapping[str, Any]) -> None:
+    """Tell a pipeline what to do where a component fails, and where cues are missing.
+
+    Raises
+    ------
+    UsageError
+        If ``on_error`` is neither stop nor skip, or ``min_cues`` no number of its cues.
+    """
+    pipeline.on_error = on_error_of(config)
+    pipeline.min_cues = config.get("min_cues", pipeline.min_cues)
+    _ = pipeline.least  # wrong numbers are told before a log is read
 
 
 def _built(spec: Mapping[str, Any], plugins: Plugins) -> Source:

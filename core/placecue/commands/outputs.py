@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from placecue.atomic import checked_by, remove_dead_parts
+from placecue.checks import check_flag
 from placecue.commands.inputs import Inputs
 from placecue.commands.paths import path_of
 from placecue.errors import UsageError
@@ -63,9 +64,8 @@ def guarded(config: Mapping[str, Any], writes: Sequence[str] | None) -> Iterator
 
 
 def _overwrites(config: Mapping[str, Any]) -> bool:
-    overwrite = config.get("overwrite", False)
-    if not isinstance(overwrite, bool):
-        raise UsageError(f"overwrite must be true or false, got {overwrite!r}")
+    overwrite: bool = config.get("overwrite", False)
+    check_flag("overwrite", overwrite)
     return overwrite
 
 

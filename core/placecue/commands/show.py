@@ -35,6 +35,9 @@ def scores(tally: Tally) -> None:
     if tally.says_unknown:
         share, right = tally.unknown(INTEGRATED), tally.accuracy_of_named(INTEGRATED)
         print(f"{UNKNOWN}: {_percent(share)} % of all; of the others {_percent(right)} % are right")
+    if any(count < tally.believed for count in tally.used.values()):
+        shares = (f"{cue} {100 * n / tally.believed:.1f} %" for cue, n in tally.used.items())
+        print(f"cues used: {', '.join(shares)} of {tally.believed} observations")
     if tally.unlabelled or tally.unusable:
         print(f"not scored: {tally.unlabelled} without a label, {tally.unusable} unusable")
 

@@ -7,9 +7,10 @@ from typing import Any
 
 from placecue import progress
 from placecue.atomic import made
+from placecue.checks import check_flag
 from placecue.commands import files, show
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import on_error_of, open_source, single_logs
+from placecue.commands.logs import open_source, set_tolerance, single_logs
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.components.pipelines import build_pipeline
@@ -42,7 +43,9 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
     """
     plugins = current_plugins()
     pipeline = build_pipeline(config, plugins.registry)
-    pipeline.on_error = on_error_of(config)
+    set_tolerance(pipeline, config)
+    force: bool = config.get("force_training_scores", False)
+    check_flag("force_training_scores", force)
     parts = (*pipeline.requires, "label")
     with extraction_of(config, plugins) as pipeline.extraction, progress.shown():
         log = open_source(config, plugins, parts=parts)
@@ -51,7 +54,7 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
         if config.get("integration_log"):
             integration = open_source(config, plugins, "integration_log", parts)
         made(out)
-        pipeline.fit(log, integration, reliability=True)
+        pipeline.fit(log, integration, reliability=True, force_training_scores=force)
     if integration is not None and pipeline.held_out_ is not None:
         logs += single_logs(integration)
     try:

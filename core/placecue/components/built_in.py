@@ -64,6 +64,13 @@ def _scalings() -> list[Component]:
             summary="To the training quantiles, in [-1, 1]",
             requires=("dense vectors",),
         ),
+        Component(
+            kind="scaling",
+            name="families",
+            factory="placecue.scaling:FamilyScaling",
+            summary="Every family of features the same weight, after another scaling",
+            requires=("dense vectors",),
+        ),
     ]
 
 

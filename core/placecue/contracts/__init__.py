@@ -6,7 +6,7 @@ Each function returns None, or what is wrong, such as ``returned 1 row for 3 sam
 
 from __future__ import annotations
 
-from placecue.contracts.features import batch, features, finite
+from placecue.contracts.features import batch, families, features, finite
 from placecue.contracts.numbers import gram, scaled, scores, trained
 from placecue.contracts.observations import (
     augmentations,
@@ -30,6 +30,7 @@ __all__ = [
     "camera",
     "count",
     "crossing",
+    "families",
     "features",
     "finite",
     "fits",

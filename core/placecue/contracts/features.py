@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from placecue.contracts.words import all_finite, numbers, rows
+from placecue.contracts.words import all_finite, counted, numbers, rows
 from placecue.errors import described
 from placecue.features import DescriptorSets, FeatureBatch, FeatureParts, form, kind_of
 
@@ -52,6 +52,20 @@ def batch(made: Any, n: int, like: FeatureBatch | None = None) -> str | None:
     else:
         wrong = f"returned {described(made)}, not a batch of features"
     return wrong or rows(made, n) or (None if like is None else _unlike(made, like))
+
+
+def families(made: Any, like: FeatureBatch) -> str | None:
+    """Check the families of features: None, or a name for each column of a batch, or by part."""
+    if made is None:
+        return None
+    if isinstance(made, Mapping) and isinstance(like, FeatureParts):
+        if not made.keys() <= like.parts.keys():
+            return f"names the parts {', '.join(map(str, made))} of {', '.join(like.parts)}"
+        return next(filter(None, (families(made[n], like.parts[n]) for n in made)), None)
+    if not isinstance(made, Sequence) or not all(isinstance(name, str) for name in made):
+        return f"is {described(made)}, not a sequence of names or None"
+    columns = like.shape[1]
+    return None if len(made) == columns else f"names {counted(len(made), 'column')} of {columns}"
 
 
 def finite(made: Any) -> str | None:

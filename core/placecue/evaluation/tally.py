@@ -24,13 +24,18 @@ class Tally:
         Whether the pipeline can say "unknown"; set by who knows the pipeline.
     counts : dict of str to Counter
         For each method (a cue, or ``integrated``) how often (truth, predicted) came up.
-    unlabelled, unusable : int
-        Observations without a label, and with a label but without a belief.
+    used, missing : Counter of str
+        At how many observations with a belief each cue was asked, and at how many it was not there.
+    believed, unlabelled, unusable : int
+        Observations with a belief; without a label; with a label but without a belief.
     """
 
     def __init__(self) -> None:
         self.says_unknown = False
         self.counts: dict[str, Counter[tuple[str, str]]] = defaultdict(Counter)
+        self.used: Counter[str] = Counter()
+        self.missing: Counter[str] = Counter()
+        self.believed = 0
         self.unlabelled = 0
         self.unusable = 0
 
@@ -38,6 +43,10 @@ class Tally:
         self, observation: Observation, belief: Belief | None, update: AreaUpdate | None
     ) -> None:
         """Count one observation."""
+        if belief is not None:
+            self.believed += 1
+            self.used.update(belief.cues_used)
+            self.missing.update(belief.cues_missing)
         if observation.label is None:
             self.unlabelled += 1
         elif belief is None:
@@ -92,6 +101,9 @@ class Tally:
         return {
             "unlabelled": self.unlabelled,
             "unusable": self.unusable,
+            "beliefs": self.believed,
+            "cues_used": dict(self.used),
+            "cues_missing": dict(self.missing),
             "methods": {
                 method: {
                     "balanced_accuracy": self.balanced_accuracy(method),

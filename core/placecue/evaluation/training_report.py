@@ -14,11 +14,12 @@ from placecue.atomic import write_text
 from placecue.evaluation.reliability import Reliability, draw_reliability, reliability
 from placecue.evaluation.search_figure import SCORE, Results, draw_search, search_table
 from placecue.evaluation.tally import INTEGRATED
+from placecue.evaluation.trade_off_figure import draw_trade_off, trade_off_table
 from placecue.pipeline import Pipeline
 from placecue.scores import Probabilities, Scores
 
 INTEGRATOR = "integrator"
-SEARCHES, RELIABILITY = "search", "reliability.png"
+SEARCHES, RELIABILITY, TRADE_OFF = "search", "reliability.png", "trade_off"
 
 
 def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, Path]]:
@@ -31,7 +32,9 @@ def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, P
     folder : Path
         Its model folder. ``search/NAME.md`` is the table of a parameter search, by the name of
         the cue or ``integrator``; ``search/NAME.png`` its heat map, over C and gamma or other
-        numbers; ``reliability.png`` the diagram of all classifiers that give probabilities.
+        numbers; ``reliability.png`` the diagram of all classifiers that give probabilities;
+        ``trade_off.csv`` and ``.png`` the accuracy over cost of an integrator that need not ask
+        for all cues.
 
     Returns
     -------
@@ -52,6 +55,11 @@ def write_training_report(pipeline: Pipeline, folder: Path) -> list[tuple[str, P
     if measured:
         draw_reliability(measured, folder / RELIABILITY, title="Reliability on held-out samples")
         written.append(("reliability diagram", folder / RELIABILITY))
+    curve = getattr(pipeline.integrator, "trade_off_", None)
+    if curve:
+        table, picture = (folder / f"{TRADE_OFF}.{suffix}" for suffix in ("csv", "png"))
+        write_text(table, trade_off_table(curve))
+        written.append(("accuracy over cost", draw_trade_off(curve, picture)))
     return written
 
 
@@ -73,7 +81,8 @@ def _clear(pipeline: Pipeline, folder: Path) -> None:
     for name in (*pipeline.cues, INTEGRATOR):
         for suffix in ("md", "png"):
             (folder / SEARCHES / f"{name}.{suffix}").unlink(missing_ok=True)
-    (folder / RELIABILITY).unlink(missing_ok=True)
+    for name in (RELIABILITY, f"{TRADE_OFF}.csv", f"{TRADE_OFF}.png"):
+        (folder / name).unlink(missing_ok=True)
     with suppress(OSError):  # it is not there, or not empty
         (folder / SEARCHES).rmdir()
 

@@ -3,57 +3,93 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from placecue.cue import Augmentation, Cue
 from placecue.errors import DataError, UnusableObservation, UsageError
-from placecue.extraction import BATCH, Extraction, batched, joined
-from placecue.faults import Faults
+from placecue.extraction import BATCH, Extraction, batched, joined, ready
+from placecue.faults import Faults, MissingCues
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.augmentation import augmentations_of, augmented, told_apart
-from placecue.learning.samples import Samples, rows_in
-from placecue.observation import Observation, Origin, Part
+from placecue.learning.samples import Samples, Views, rows_in
+from placecue.observation import Observation, Origin
 from placecue.progress import track
 from placecue.source import guarded
 
 
+class _Extracted(NamedTuple):
+    """What a cue makes of a batch.
+
+    Which observations have the cue; the rows and features of each view; why others have not.
+    """
+
+    rows: Rows
+    views: list[tuple[Rows, FeatureBatch | None]]
+    failed: dict[int, UnusableObservation]
+
+
 class _Gathered:
-    """The features of one cue and of its augmentations, batch after batch."""
+    """The features of one cue and of its augmentations, batch after batch.
 
-    def __init__(self, cue: Cue, extraction: Extraction, skip: bool) -> None:
-        self.cue, self.extraction, self.skip = cue, extraction, skip
-        self.views: list[Augmentation | None] = [None, *augmentations_of(cue)]
+    Of a cue that learns, which samples have what it needs.
+    """
+
+    def __init__(
+        self, name: str, cue: Cue, extraction: Extraction, missing: MissingCues, *, skip: bool
+    ) -> None:
+        self.name, self.cue, self.extraction, self.skip = name, cue, extraction, skip
+        self.views: list[Augmentation | None] = [] if cue.learns else [None, *augmentations_of(cue)]
         self.kept: list[list[FeatureBatch]] = [[] for _ in self.views]
+        self.rows: list[Rows] = []
+        self.missing = missing
 
-    def extract(
-        self, observations: Sequence[Observation]
-    ) -> tuple[list[tuple[Rows, FeatureBatch | None]], dict[int, UnusableObservation]]:
-        """Return (rows, features) of each view, and why observations are unusable, by row."""
-        found = []
-        failed: dict[int, UnusableObservation] = {}
-        if observations and len(self.views) > 2 and not self.kept[0]:
-            told_apart(self.cue, observations[0])
+    def extract(self, observations: Sequence[Observation]) -> _Extracted:
+        """Return what the cue makes of a batch."""
+        _, failed = ready(self.cue, observations)
+        views = []
+        if self.views[1:] and not self.kept[0] and len(failed) < len(observations):
+            told_apart(self.cue, observations[_others(len(observations), failed)[0]])
         for augment in self.views:
-            seen = observations
+            there = _others(len(observations), failed)
+            seen = [observations[row] for row in there]
             if augment is not None:
-                seen = [augmented(self.cue, augment, each) for each in observations]
+                seen = [augmented(self.cue, augment, each) for each in seen]
             extracted = self.extraction.extract(self.cue, seen, skip=self.skip)
-            found.append((extracted.rows, extracted.features))
-            failed |= extracted.failed
-        return found, failed
+            views.append((there[extracted.rows], extracted.features))
+            failed |= {int(there[row]): error for row, error in extracted.failed.items()}
+        return _Extracted(_others(len(observations), failed), views, failed)
 
-    def keep(self, found: Sequence[tuple[Rows, FeatureBatch | None]], rows: Rows) -> None:
-        """Keep the features of the given rows, which every view has."""
-        for kept, (there, batch) in zip(self.kept, found, strict=True):
-            if batch is not None and rows.size:
-                kept.append(batch if len(rows) == len(there) else take(batch, rows_in(there, rows)))
+    def keep(self, made: _Extracted, usable: Rows, first: int) -> None:
+        """Keep what was made of the usable ones of a batch, which are samples from a number on."""
+        rows = np.intersect1d(made.rows, usable)
+        self.rows.append(first + rows_in(usable, rows))
+        for kept, (there, features) in zip(self.kept, made.views, strict=True):
+            if features is not None and rows.size:
+                all_there = len(rows) == len(there)
+                kept.append(features if all_there else take(features, rows_in(there, rows)))
+        for row in np.setdiff1d(usable, rows):
+            self.missing.add(self.name, made.failed[int(row)])
 
-    def joined(self) -> tuple[FeatureBatch, ...]:
-        return tuple(joined(self.cue, batches) for batches in self.kept)
+    def joined(self) -> Views:
+        """Return all that was kept.
+
+        Raises
+        ------
+        DataError
+            If no sample has the cue.
+        """
+        rows = np.concatenate(self.rows)
+        if not rows.size:
+            why = self.missing.first[self.name]
+            raise DataError(
+                f"no sample has cue {self.name} (the first: {why}): give a log that has what it "
+                "needs, or leave out the cue"
+            ) from why
+        return Views(rows, tuple(joined(self.cue, batches) for batches in self.kept))
 
 
 def collect(
@@ -63,11 +99,13 @@ def collect(
     folds: FoldScheme | None = None,
     *,
     skip: bool = False,
+    min_cues: int = 1,
 ) -> Samples:
     """Read labelled observations once and extract every cue that learns nothing.
 
-    Unlabelled observations are left out; unusable ones are passed over and reported once. No more
-    than a batch of images is kept.
+    Unlabelled observations are left out. A sample has one cue or more; what has none is passed
+    over, and which cues are missing how often is reported once. No more than a batch of images is
+    kept.
 
     Parameters
     ----------
@@ -80,7 +118,9 @@ def collect(
     folds : FoldScheme, optional
         How the samples will be cut.
     skip : bool
-        Whether an observation at which a cue fails counts as unusable.
+        Whether a cue is missing, too, where it fails.
+    min_cues : int
+        A sample that has fewer cues is passed over.
 
     Raises
     ------
@@ -97,22 +137,21 @@ def collect(
             "give a log or a list, not a generator"
         )
     extraction = Extraction() if extraction is None else extraction
-    required: tuple[Part, ...] = tuple({part for cue in cues.values() for part in cue.requires})
-    gathered = [_Gathered(cue, extraction, skip) for cue in cues.values() if not cue.learns]
+    missing = MissingCues()
+    gathered = [_Gathered(*each, extraction, missing, skip=skip) for each in cues.items()]
     reading, kept, faults = _Labelled(observations), list[tuple[Any, ...]](), Faults()
     for some in batched(reading, BATCH):
-        usable = _usable([each for _, each in some], required, bool(learning), faults)
-        seen = [some[row] for row in usable]
-        rows = _extract(gathered, [each for _, each in seen], faults)
-        kept += [(o.label, o.stamp, number, o.origin) for number, o in (seen[row] for row in rows)]
+        rows = _extract(gathered, [each for _, each in some], len(kept), faults, min_cues)
+        kept += [(o.label, o.stamp, number, o.origin) for number, o in (some[row] for row in rows)]
     _check(reading, faults)
+    extracted = {each.name: each.joined() for each in gathered}
+    missing.report(len(kept))
     labels, stamps, positions, origins = map(list, zip(*kept, strict=True))
-    names = (n for n, cue in cues.items() if not cue.learns)
     return Samples(
         labels=np.asarray(labels, dtype=np.str_),
         stamps=np.asarray(stamps, dtype=np.int64),
         groups=_groups(origins),
-        extracted={n: each.joined() for n, each in zip(names, gathered, strict=True)},
+        extracted=extracted,
         observations=observations,
         positions=np.asarray(positions, dtype=np.int64),
         origins=origins,
@@ -137,41 +176,27 @@ class _Labelled:
                 yield number, observation
 
 
-def _usable(
-    observations: Sequence[Observation],
-    required: tuple[Part, ...],
-    learning: bool,
-    faults: Faults,
-) -> list[int]:
-    """Return the observations that have every part that a cue needs."""
-    rows = []
-    for row, observation in enumerate(observations):
-        try:
-            observation.require(required)
-            if learning and "image" in required:
-                _ = observation.image
-            rows.append(row)
-        except UnusableObservation as error:
-            faults.pass_over(error)
-    return rows
-
-
 def _extract(
-    gathered: Sequence[_Gathered], observations: Sequence[Observation], faults: Faults
+    gathered: Sequence[_Gathered],
+    observations: Sequence[Observation],
+    first: int,
+    faults: Faults,
+    min_cues: int,
 ) -> Rows:
-    """Extract every cue from a batch; keep and return the rows that all of them have."""
-    found = []
-    failed: dict[int, UnusableObservation] = {}
-    for of_cue in gathered:
-        views, unusable = of_cue.extract(observations)
-        found.append(views)
-        failed |= {row: error for row, error in unusable.items() if row not in failed}
-    rows = np.array([row for row in range(len(observations)) if row not in failed], np.int64)
-    for row in sorted(failed):
-        faults.pass_over(failed[row])
-    for of_cue, views in zip(gathered, found, strict=True):
-        of_cue.keep(views, rows)
-    return rows
+    """Extract every cue from a batch; keep and return what becomes samples, numbered from first."""
+    made = [of_cue.extract(observations) for of_cue in gathered]
+    count = sum(np.isin(np.arange(len(observations)), each.rows).astype(int) for each in made)
+    usable = np.flatnonzero(count >= min_cues).astype(np.int64)
+    for row in np.flatnonzero(count < min_cues):
+        faults.pass_over(next(each.failed[int(row)] for each in made if row in each.failed))
+    for of_cue, each in zip(gathered, made, strict=True):
+        of_cue.keep(each, usable, first)
+    return usable
+
+
+def _others(n: int, failed: Mapping[int, UnusableObservation]) -> Rows:
+    """Return the rows of n that have not failed."""
+    return np.array([row for row in range(n) if row not in failed], dtype=np.int64)
 
 
 def _groups(origins: Sequence[Origin | None]) -> NDArray[np.int64] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,12 +13,12 @@ from numpy.typing import NDArray
 from placecue.errors import DataError
 from placecue.evidence import Evidence
 from placecue.folds import FoldScheme, InterleavedChunks, cut
-from placecue.guard import call
 from placecue.held_out import HeldOut
-from placecue.integration import integrated, unfitted
+from placecue.integration import unfitted
 from placecue.integrator import Integrator
 from placecue.learning.samples import Samples
 from placecue.progress import track
+from placecue.schemes import Cues, Schemes
 from placecue.scores import Scores
 
 if TYPE_CHECKING:
@@ -79,32 +80,36 @@ def judged_by_copies(pipeline: Pipeline, samples: Samples) -> list[Judged]:
         if copy.integrates:
             copy.fit_integrator(copy.held_out(training))
         held = HeldOut(copy.evidence_of(unseen), unseen.labels)
-        judged.append(judged_by(copy.integrator, held, skip=pipeline.skips))
+        judged.append(judged_by(copy.schemes, held, skip=pipeline.skips))
     return judged
 
 
 def judged_by_integrators(
-    integrator: Integrator, held_out: HeldOut, *, skip: bool = False
+    integrator: Integrator,
+    held_out: HeldOut,
+    sets: Sequence[Cues] | None = None,
+    *,
+    skip: bool = False,
 ) -> list[Judged]:
     """Judge on another sequence, which the single-cue models have not seen in any way.
 
-    Copies of the integrator are fitted, with their own searches, in folds of it.
+    Copies of the integrator are fitted, with their own searches, in folds of it; for which sets
+    of cues says ``sets``, see :meth:`placecue.Schemes.fit`.
     """
     judged = []
     splits = _splits(held_out.folds, held_out.labels, held_out.stamps, held_out.groups)
     for rows, unseen in track(splits, "held-out decisions"):
-        copy = unfitted(integrator)
-        call(copy, "train", held_out.take(rows))
-        judged.append(judged_by(copy, held_out.take(unseen), skip=skip))
+        copies = Schemes.fit(unfitted(integrator), held_out.take(rows), sets)
+        judged.append(judged_by(copies, held_out.take(unseen), skip=skip))
     return judged
 
 
-def judged_by(integrator: Integrator, held_out: HeldOut, *, skip: bool = False) -> Judged:
+def judged_by(schemes: Schemes, held_out: HeldOut, *, skip: bool = False) -> Judged:
     """Return what a fitted integrator says of samples that neither it nor the cues have seen.
 
     Samples at which it fails are missing where ``skip`` says so.
     """
-    scores, _ = integrated(integrator, held_out.evidence, skip=skip)
+    scores, _ = schemes.integrate(held_out.evidence, skip=skip)
     return Judged(held_out.labels, scores, held_out.evidence)
 
 

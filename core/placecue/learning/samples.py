@@ -5,25 +5,51 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from placecue.cue import Cue
-from placecue.errors import UnusableObservation
+from placecue.errors import DataError, UnusableObservation
 from placecue.estimator import clone
 from placecue.extraction import Extracted, Extraction
 from placecue.faults import Faults
 from placecue.features import FeatureBatch, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows
 from placecue.learning.augmentation import augmentations_of, augmented, told_apart
+from placecue.learning.families import families_of
 from placecue.observation import Observation, Origin
 from placecue.training_set import TrainingSet
 
 
+class Views(NamedTuple):
+    """What one cue makes of some of n samples.
+
+    Parameters
+    ----------
+    rows : ndarray of int64, shape (k,)
+        Which of the samples have the cue; of one that learns, those that have its parts.
+    features : tuple of batches of k samples
+        As recorded, then those of each augmentation; nothing of a cue that learns.
+    """
+
+    rows: Rows
+    features: tuple[FeatureBatch, ...] = ()
+
+    def take(self, rows: Rows, n: int) -> Views:
+        """Return the same of the given ones of the n samples."""
+        at = np.full(n, -1)
+        at[self.rows] = np.arange(len(self.rows))
+        picked = at[rows]
+        there = picked >= 0
+        kept = tuple(take(each, picked[there]) for each in self.features)
+        return Views(np.flatnonzero(there).astype(np.int64), kept)
+
+
 @dataclass(frozen=True)
 class Samples:
-    """n labelled samples.
+    """n labelled samples, each with one cue or more.
 
     Parameters
     ----------
@@ -33,8 +59,8 @@ class Samples:
         The time of each sample, ns.
     groups : ndarray of int64, shape (n,), or None
         The log of each sample, as a number, where that is known.
-    extracted : mapping of str to (recorded, augmented) features
-        For each cue that learns nothing.
+    extracted : mapping of str to Views
+        For each cue the samples that have it, with their features if it learns nothing.
     observations : iterable of Observation
         Where the samples came from; read again for cues that learn.
     positions : ndarray of int64, shape (n,)
@@ -55,7 +81,7 @@ class Samples:
     labels: NDArray[np.str_]
     stamps: NDArray[np.int64]
     groups: NDArray[np.int64] | None
-    extracted: Mapping[str, tuple[FeatureBatch, ...]]
+    extracted: Mapping[str, Views]
     observations: Iterable[Observation]
     positions: NDArray[np.int64]
     origins: Sequence[Origin | None]
@@ -77,10 +103,7 @@ class Samples:
             labels=self.labels[rows],
             stamps=self.stamps[rows],
             groups=None if self.groups is None else self.groups[rows],
-            extracted={
-                name: tuple(take(view, rows) for view in views)
-                for name, views in self.extracted.items()
-            },
+            extracted={n: views.take(rows, len(self)) for n, views in self.extracted.items()},
             positions=self.positions[rows],
             origins=[self.origins[row] for row in rows],
             part=self.part or len(rows) < len(self),
@@ -90,8 +113,14 @@ class Samples:
     def training_set(self, name: str, cue: Cue) -> TrainingSet:
         """Return what the classifier of a cue is trained on.
 
-        A cue that learns is fitted first, once: later calls with it return the same set. Samples
-        of which it then makes nothing are left out, and it is said.
+        That is every sample that has the cue. A cue that learns is fitted first, once: later calls
+        with it return the same set. Samples of which it then makes nothing are left out, and it
+        is said.
+
+        Raises
+        ------
+        DataError
+            If no sample has the cue, or none of some class.
         """
         return self._training(name, cue)[0]
 
@@ -109,11 +138,16 @@ class Samples:
         DataError
             If it makes nothing of any.
         """
+        rows, features = self.extracted[name]
         if not cue.learns:
-            return Extracted(np.arange(len(self)), self.extracted[name][0])
-        found = self.extraction.gather(cue, self.reread(), skip=self.skip)
-        self._report(name, found.failed)
-        return found
+            return Extracted(rows, features[0] if len(rows) else None)
+        found = self.extraction.gather(cue, self.reread(rows), skip=self.skip)
+        self._report(name, found.failed, len(rows))
+        return Extracted(rows[found.rows], found.features)
+
+    def which(self) -> Which:
+        """Return which samples these are, without their features."""
+        return Which(self.observations, self.positions, self.origins)
 
     def reread(self, rows: Rows | None = None) -> Reread:
         """Return the observations of the given samples (all by default), to be read again."""
@@ -134,34 +168,55 @@ class Samples:
     def _training(self, name: str, cue: Cue) -> tuple[TrainingSet, Rows]:
         known = self._known.get(name)
         if known is None or known[0] is not cue:
+            self._check_there(name, self.extracted[name].rows)
             found = self._learned(name, cue) if cue.learns else self._extracted(name)
-            known = self._known[name] = cue, *found
+            self._check_there(name, found[1])
+            training = replace(found[0], families=families_of(cue, found[0].features))
+            known = self._known[name] = cue, training, found[1]
         return known[1:]
 
     def _extracted(self, name: str) -> tuple[TrainingSet, Rows]:
-        return self._set(*self.extracted[name]), np.arange(len(self))
+        rows, features = self.extracted[name]
+        return self._of(rows)._set(*features), rows
 
     def _learned(self, name: str, cue: Cue) -> tuple[TrainingSet, Rows]:
         """Let a cue learn, and return the samples of which it makes something in every view."""
-        self._learn(cue, np.arange(len(self)))
-        found = self._views(cue)
+        rows = self.extracted[name].rows
+        having = self._of(rows)
+        having._learn(cue, np.arange(len(having)))
+        found = having._views(cue)
         failed = {row: error for each in found for row, error in each.failed.items()}
-        self._report(name, failed)
-        rows = np.array([row for row in range(len(self)) if row not in failed], dtype=np.int64)
+        self._report(name, failed, len(having))
+        kept = np.array([row for row in range(len(having)) if row not in failed], dtype=np.int64)
         there = [
-            take(each.features, rows_in(each.rows, rows))
+            take(each.features, rows_in(each.rows, kept))
             for each in found
             if each.features is not None
         ]
-        return (self.take(rows) if failed else self)._seen(cue, there), rows
+        return having._of(kept)._seen(cue, there), rows[kept]
 
-    def _report(self, name: str, failed: Mapping[int, UnusableObservation]) -> None:
+    def _of(self, rows: Rows) -> Samples:
+        """Return the given samples; all of them are no part of themselves."""
+        return self if len(rows) == len(self) else self.take(rows)
+
+    def _check_there(self, name: str, rows: Rows) -> None:
+        """Raise DataError where a cue would not learn of some class."""
+        labels = self.labels[rows]
+        lacking = sorted(set(self.labels.tolist()) - set(labels.tolist()))
+        if lacking:
+            raise DataError(
+                f"cue {name}: none of the {len(rows)} samples that have it is of "
+                f"{' or '.join(map(repr, lacking))}, so it would never say so: give a log in which "
+                "it is there, leave out the cue, or drop the class (label_map)"
+            )
+
+    def _report(self, name: str, failed: Mapping[int, UnusableObservation], n: int) -> None:
         """Say of how many samples a cue makes nothing, once a cue."""
         faults = Faults(f"cue {name}")
         for row in sorted(failed):
             faults.pass_over(failed[row])
-        if name not in self._said or len(failed) == len(self):
-            faults.report_of(len(self))
+        if name not in self._said or len(failed) == n:
+            faults.report_of(n)
         if failed:
             self._said.add(name)
 
@@ -192,6 +247,21 @@ class Samples:
             folds=self.folds,
             part=self.part,
         )
+
+
+class Which(NamedTuple):
+    """Which observations some samples are."""
+
+    observations: Iterable[Observation]
+    positions: NDArray[np.int64]
+    origins: Sequence[Origin | None]
+
+    def among(self, others: Which) -> NDArray[np.bool_]:
+        """Return which of these n samples are among others, as far as is known, shape (n,)."""
+        if self.observations is others.observations:
+            return np.isin(self.positions, others.positions)
+        known = {origin for origin in others.origins if origin is not None}
+        return np.array([origin in known for origin in self.origins], dtype=bool)
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from placecue.components.parameter_types import misfits
 from placecue.components.pipelines import build_pipeline, components_of, describe_pipeline
 from placecue.components.registry import Registry
 from placecue.errors import DataError, PluginError
+from placecue.integration import unfitted
 from placecue.learning.rejection import Rejection
 from placecue.pipeline import Pipeline
 from placecue.scores import Layout
@@ -171,6 +172,10 @@ def _learned(pipeline: Pipeline, encoder: Encoder) -> dict[str, Any]:
             for name, model in pipeline.cues.items()
         },
         "integrator": encoder.state(pipeline.integrator, "integrator"),
+        "for_fewer": [
+            {"cues": list(cues), "state": encoder.state(scheme, f"integrator of {'+'.join(cues)}")}
+            for cues, scheme in pipeline.for_fewer_.items()
+        ],
     }
     if pipeline.rejection_ is not None:
         state["rejection"] = asdict(pipeline.rejection_)
@@ -190,6 +195,12 @@ def _restored(manifest: Mapping[str, Any], state: Any, decoder: Decoder) -> Pipe
         decoder.restore(model.classifier, state["cues"][name]["classifier"])
         _check_classes(name, model.classifier, manifest["classes"])
     decoder.restore(pipeline.integrator, state["integrator"])
+    for each in state.get("for_fewer", []):  # models of an earlier version have none
+        cues, scheme = tuple(each["cues"]), unfitted(pipeline.integrator)
+        if not set(cues) < pipeline.cues.keys() or cues in pipeline.for_fewer_:
+            raise DataError(f"it has an integrator of other cues than its own: {cues}")
+        decoder.restore(scheme, each["state"])
+        pipeline.for_fewer_[cues] = scheme
     if "rejection" in state:
         pipeline.rejection_ = _rejection(state["rejection"])
     surplus = decoder.arrays.keys() - decoder.used

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -15,7 +15,15 @@ from placecue import contracts
 from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
 from placecue.estimator import clone
-from placecue.features import FeatureBatch, FeatureKind, FeatureParts, kind_of, n_samples, take
+from placecue.features import (
+    Families,
+    FeatureBatch,
+    FeatureKind,
+    FeatureParts,
+    kind_of,
+    n_samples,
+    take,
+)
 from placecue.folds import Rows
 from placecue.grams import current
 from placecue.guard import call
@@ -61,6 +69,7 @@ class Prepared:
         scaling: Scaling | None = None,
         rows: Rows | None = None,
         light: bool = False,
+        families: Families | None = None,
         labels: Any = None,
     ) -> Prepared:
         """Fit copies of kernel and scaling.
@@ -74,6 +83,8 @@ class Prepared:
             The samples to fit on; all by default.
         light : bool
             Whether there will be Gram matrices for other light parameters of the kernel.
+        families : sequence of str, optional
+            The family of each feature, for a scaling; of features in parts by part.
         labels : ndarray, shape (n,), optional
             Their classes, for a kernel that learns from them.
 
@@ -82,7 +93,7 @@ class Prepared:
         UsageError
             If scaling or kernel cannot take this kind of features.
         """
-        fitted = fitted_scaling(_of_rows(features, rows), scaling)
+        fitted = fitted_scaling(_of_rows(features, rows), scaling, families)
         if fitted is not None:
             features = transformed(fitted, features)
         kernel = clone(kernel)
@@ -133,10 +144,13 @@ def remembering(make: Callable[[Setting], Prepared]) -> Callable[[Setting], Prep
     return prepared
 
 
-def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Fitted | None:
+def fitted_scaling(
+    features: FeatureBatch, scaling: Scaling | None, families: Families | None = None
+) -> Fitted | None:
     """Return a copy of a scaling fitted on dense features, shape (n, d); None for none.
 
-    Of features in parts a copy for each dense part; the others are left alone.
+    Of features in parts a copy for each dense part; the others are left alone. ``families`` names
+    the family of each feature, if that is known.
 
     Raises
     ------
@@ -149,18 +163,20 @@ def fitted_scaling(features: FeatureBatch, scaling: Scaling | None) -> Fitted | 
         raise UsageError(f"scaling must be a Scaling, such as QuantileScaling(), got {scaling!r}")
     if isinstance(features, FeatureParts):
         dense = {n: p for n, p in features.parts.items() if kind_of(p) is FeatureKind.DENSE}
-        return {name: _fitted_on(part, scaling) for name, part in dense.items()}
+        of_part = families if isinstance(families, Mapping) else {}
+        return {n: _fitted_on(part, scaling, of_part.get(n)) for n, part in dense.items()}
     if kind_of(features) is not FeatureKind.DENSE:
         raise WrongKind(
             f"scaling {type(scaling).__name__} takes dense vectors, got {kind_of(features)}: "
             "choose scaling=null for this cue"
         )
-    return _fitted_on(features, scaling)
+    assert not isinstance(families, Mapping)  # which are of parts
+    return _fitted_on(features, scaling, families)
 
 
-def _fitted_on(dense: FeatureBatch, scaling: Scaling) -> Scaling:
+def _fitted_on(dense: FeatureBatch, scaling: Scaling, families: Sequence[str] | None) -> Scaling:
     copy: Scaling = clone(scaling)
-    call(copy, "fit", np.asarray(dense))
+    call(copy, "train", np.asarray(dense), families)
     return copy
 
 

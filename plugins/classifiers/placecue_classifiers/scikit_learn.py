@@ -16,6 +16,7 @@ from placecue.errors import UsageError
 from placecue.features import FeatureBatch, FeatureKind, kind_of
 from placecue.scaling import Scaling
 from placecue.scores import OneAgainstAll, Probabilities, Scores
+from placecue.training_set import TrainingSet
 from placecue_classifiers.prepared import fitted_scaling, transformed
 
 
@@ -85,10 +86,15 @@ class ScikitLearn(Classifier):
             If there is one class only, a feature is NaN or infinite, or the estimator refuses the
             samples.
         """
+        return self.train(TrainingSet(features, labels, stamps))
+
+    def train(self, training: TrainingSet) -> Self:
+        """Train on samples and their augmented copies; see :meth:`Classifier.train`."""
+        labels = training.repeated(training.labels)
         self._estimator = self._built()
-        features = self.training_samples(self._accepted(features), labels)
+        features = self.training_samples(self._accepted(training.batch()), labels)
         self.codes_ = self.learn_classes(labels)
-        self.scaling_ = fitted_scaling(features, self.scaling)
+        self.scaling_ = fitted_scaling(features, self.scaling, training.families)
         self.columns_ = None
         if isinstance(features, sparse.csr_array):
             self.columns_ = np.unique(features.indices)

@@ -146,7 +146,7 @@ class SVM(Classifier):
         training = self.checked(training)
         codes = self.codes(training.repeated(training.labels))
         grid = self._grid()
-        prepare = remembering(self._preparing(grid, training.batch(), codes))
+        prepare = remembering(self._preparing(grid, training))
         folds = self._folds(grid, training, prepare) if self.search or self.probability else []
         best, setting, rows = self, Setting(), np.arange(len(codes))
         if self.search:
@@ -205,7 +205,7 @@ class SVM(Classifier):
             yield from super().out_of_fold(training, splits)
             return
         codes, extension = svm.codes(training.repeated(training.labels)), svm._extension(svm)
-        gram = svm._preparing(svm._grid(), training.batch(), codes)({}).gram()
+        gram = svm._preparing(svm._grid(), training)({}).gram()
         for rows, held_out in splits:
             flat = training.copies(rows), training.recorded(held_out)
             values = extension.held_out(gram, codes, *flat)
@@ -245,16 +245,15 @@ class SVM(Classifier):
             by_name = "balanced"
         return Multiclass(self.multiclass, names, self.C, by_name)
 
-    def _preparing(
-        self, grid: Grid, features: FeatureBatch, codes: Codes
-    ) -> Callable[..., Prepared]:
-        """Return what prepares n samples, of given classes, for the parameters of a grid."""
-        light = bool(grid.lights()[0])
+    def _preparing(self, grid: Grid, training: TrainingSet) -> Callable[..., Prepared]:
+        """Return what prepares n samples for the parameters of a grid."""
+        light, features, families = bool(grid.lights()[0]), training.batch(), training.families
+        labels = training.repeated(training.labels)
 
         def prepare(setting: Setting, rows: Rows | None = None) -> Prepared:
             svm = self.with_setting(setting)
             assert svm.kernel is not None
-            return Prepared.of(features, svm.kernel, svm.scaling, rows, light, codes)
+            return Prepared.of(features, svm.kernel, svm.scaling, rows, light, families, labels)
 
         return prepare
 
@@ -264,13 +263,12 @@ class SVM(Classifier):
         """Return the folds, together where they may share a Gram matrix."""
         splits = training.split(self.folds)
         flat = [(training.copies(rows), training.recorded(held)) for rows, held in splits]
-        codes = self.codes(training.repeated(training.labels))
         if not self._learns(training, grid.values.get("scaling", [self.scaling])):
             return [Folds(lambda: prepare, flat)]
 
         def of_fold(rows: Rows, flat_rows: Rows) -> Callable[[Setting], Prepared]:
-            batch = training.relearned(rows).batch()
-            return remembering(partial(self._preparing(grid, batch, codes), rows=flat_rows))
+            relearned = training.relearned(rows)
+            return remembering(partial(self._preparing(grid, relearned), rows=flat_rows))
 
         return [
             Folds(partial(of_fold, rows, each[0]), [each])

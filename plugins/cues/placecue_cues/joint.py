@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, Self
 
-from placecue import PARTS, call, clone, contracts
+from placecue import PARTS, call, clone, contracts, step
 from placecue.cue import Augmentation, Cue
 from placecue.errors import UsageError, described
 from placecue.features import FeatureParts
@@ -61,6 +61,15 @@ class Joint(Cue):
     def learns(self) -> bool:  # type: ignore[override]
         """Whether a part learns."""
         return any(cue.learns for cue in self._named.values())
+
+    @property
+    def families(self) -> Mapping[str, Sequence[str]]:
+        """Those of the parts that say any."""
+        made = {
+            name: step(cue, "families", getattr, cue, "families")
+            for name, cue in self._named.items()
+        }
+        return {name: each for name, each in made.items() if each is not None}
 
     def fit(self, observations: Iterable[Observation], labels: Any = None) -> Self:
         """Fit the parts that learn.

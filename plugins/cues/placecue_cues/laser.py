@@ -82,10 +82,10 @@ class LaserGeometry(Cue):
         preset: str = "group",
         angular_step: float = 0.5,
         grazing_angle: float = 5.0,
-        clips: Sequence[float] = (5.0, 10.0, 20.0, 50.0),
+        clips: Sequence[float] = (2.0, 5.0, 10.0, 20.0, 50.0),
         gaps: Sequence[float] = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0),
         relative_gaps: Sequence[float] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9),
-        fourier: int = 100,
+        fourier: int = 16,
         line_tolerance: float = 0.05,
         line_beams: int = 8,
         minima_depth: float = 0.1,
@@ -108,14 +108,19 @@ class LaserGeometry(Cue):
     @property
     def feature_names(self) -> list[str]:
         """The names of the d features."""
-        return [name for family in self.families() for name in family.names]
+        return [name for family in self.feature_families() for name in family.names]
 
     @property
     def feature_units(self) -> list[str]:
         """The units of the d features; ``1`` for pure numbers."""
-        return [family.unit for family in self.families() for _ in family.names]
+        return [family.unit for family in self.feature_families() for _ in family.names]
 
-    def families(self) -> tuple[Family, ...]:
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families of the d features, by name; see :attr:`placecue.Cue.families`."""
+        return tuple(family.name for family in self.feature_families() for _ in family.names)
+
+    def feature_families(self) -> tuple[Family, ...]:
         """Return the features in families of one meaning and unit.
 
         Raises
@@ -178,7 +183,7 @@ class LaserGeometry(Cue):
     def _features(
         self, ranges: NDArray[np.float64], angles: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        families = self.families()
+        families = self.feature_families()
         if self.preset == "group":
             # The group's code kept ranges in single precision, which decides gaps at the edge.
             single = ranges.astype(np.float32).astype(np.float64)

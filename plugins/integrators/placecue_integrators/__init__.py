@@ -11,6 +11,13 @@ def placecue_components() -> list[Component]:
     return [
         Component(
             kind="integrator",
+            name="confidence",
+            factory="placecue_integrators.confidence:Confidence",
+            summary="Asks for a further cue only where those so far are not sure enough",
+            requires=("an integrator",),
+        ),
+        Component(
+            kind="integrator",
             name="svm_das",
             factory="placecue_integrators.svm_das:SVMDAS",
             summary="Support vector machine on the scores of all cues (SVM-DAS)",

@@ -98,6 +98,11 @@ class SVMDAS(Integrator):
             values[rows] = self.classifier_.scores(self.scaling_.transform(joined)).values
         return Scores(values, layout)
 
+    def best(self) -> SVMDAS:
+        """Return an unfitted copy with the parameters that the classifier's search found."""
+        copy: SVMDAS = clone(self)
+        return copy.set_params(classifier=self.classifier_.best())
+
     def _joined(self, evidence: Evidence) -> tuple[NDArray[np.float64], Rows]:
         """Return the outputs of all cues, shape (k, V), and which observations have them."""
         joined = np.hstack([evidence.scores(cue).values for cue in self.cues_])

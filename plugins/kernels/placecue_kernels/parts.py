@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
+import numpy as np
+
 from placecue.checks import check_choice
 from placecue.errors import UsageError
 from placecue.features import FeatureBatch, FeatureKind, FeatureParts, kind_of
@@ -21,11 +23,12 @@ JOINS: dict[str, Operations] = {"sum": SUM, "product": PRODUCT}
 def suited_to(part: FeatureBatch) -> Kernel:
     """Return what a part gets where no kernels are given.
 
-    That is chi2 for sparse histograms, match for sets of descriptors, and rbf with a gamma of 1
-    over the number of columns for dense vectors.
+    That is chi2 for sparse histograms, match for sets of descriptors, and for dense vectors rbf
+    with a gamma of 1 over the sum of the columns' variances, as scikit-learn's ``scale``.
     """
     if kind_of(part) is FeatureKind.DENSE:
-        return RBF(1 / part.shape[1])
+        spread = float(np.var(np.asarray(part, dtype=np.float64), axis=0).sum())
+        return RBF(1 / spread if spread > 0 else 1.0)
     return Chi2() if kind_of(part) is FeatureKind.SPARSE else Match()
 
 
@@ -36,6 +39,8 @@ class OfParts(Composite):
     ----------
     kernels_ : dict of str to Kernel
         The kernels by part, fitted on training features.
+    gammas_ : dict of str to float
+        Those that were learned, of ``rbf`` by default; there only where no kernels are given.
     """
 
     accepts: ClassVar[frozenset[FeatureKind]] = frozenset({FeatureKind.PARTS})
@@ -92,9 +97,10 @@ class OfParts(Composite):
     def _fitted(self, features: FeatureBatch, labels: Any) -> dict[str, Kernel]:
         self.check(features)
         assert isinstance(features, FeatureParts)
-        kernels = self._by_name(self.kernels) or {
-            name: suited_to(part) for name, part in features.parts.items()
-        }
+        kernels = self._by_name(self.kernels)
+        if not kernels:
+            kernels = {name: suited_to(part) for name, part in features.parts.items()}
+            self.gammas_ = {n: each.gamma for n, each in kernels.items() if isinstance(each, RBF)}
         parts = features.parts
         return {name: fitted_copy(each, parts[name], labels) for name, each in kernels.items()}
 

@@ -17,6 +17,8 @@ class Family:
 
     Parameters
     ----------
+    name : str
+        What they say something of; those of one name share a weight.
     names : tuple of str
         One name a feature.
     unit : str
@@ -27,6 +29,7 @@ class Family:
         From :class:`Beams` of n scans to an array of shape (n, len(names)).
     """
 
+    name: str
     names: tuple[str, ...]
     unit: str
     meaning: str

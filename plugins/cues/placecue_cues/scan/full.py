@@ -41,6 +41,7 @@ class FullFeatures:
     def _range_families(self) -> tuple[Family, ...]:
         return (
             Family(
+                "differences",
                 _mean_std_names("difference", self.clips),
                 "m",
                 "mean and standard deviation of the difference in range of neighbouring beams; "
@@ -48,12 +49,14 @@ class FullFeatures:
                 self._differences,
             ),
             Family(
+                "ranges",
                 _mean_std_names("range", self.clips),
                 "m",
                 "mean and standard deviation of the range; also with ranges clipped",
                 self._ranges,
             ),
             Family(
+                "kurtosis",
                 ("range_kurtosis",),
                 "1",
                 "kurtosis of the range, m4 / std⁴ (not the excess)",
@@ -64,12 +67,14 @@ class FullFeatures:
     def _pair_families(self) -> tuple[Family, ...]:
         return (
             Family(
+                "gaps",
                 numbered("gaps", self.gaps),
                 "1",
                 "pairs of neighbouring beams that differ by more than so many metres, per beam",
                 self._gaps,
             ),
             Family(
+                "relative_gaps",
                 numbered("relative_gaps", self.relative_gaps),
                 "1",
                 "pairs of neighbouring beams whose ratio, smaller over larger, is below so much, "
@@ -77,6 +82,7 @@ class FullFeatures:
                 self._relative_gaps,
             ),
             Family(
+                "ratios",
                 ("ratio_mean", "ratio_std"),
                 "1",
                 "mean and standard deviation of that ratio",
@@ -87,12 +93,14 @@ class FullFeatures:
     def _mark_families(self) -> tuple[Family, ...]:
         return (
             Family(
+                "lines",
                 ("line_share",),
                 "1",
                 "share of the beams that lie on straight lines (split and merge)",
                 self._line_share,
             ),
             Family(
+                "minima",
                 ("minima_distance",),
                 "m",
                 "distance between the end points of the two smallest local minima of the range; "
@@ -100,6 +108,7 @@ class FullFeatures:
                 lambda beams: self._minima(beams)[:, :1],
             ),
             Family(
+                "minima",
                 ("minima_angle",),
                 "rad",
                 "angle between these two beams, 0 to π",
@@ -110,24 +119,27 @@ class FullFeatures:
     def _fourier_families(self) -> tuple[Family, ...]:
         return (
             Family(
+                "fourier",
                 numbered("fourier", self._orders()),
                 "1",
                 "Fourier descriptors of the boundary by arc length: abs(c_k) / abs(c_1)",
                 self._fourier,
             ),
             Family(
+                "ellipse",
                 ("ellipse_major", "ellipse_minor"),
                 "m",
                 "half axes of the ellipse of c_1 and c_-1: abs(c_1) + abs(c_-1), "
                 "abs(abs(c_1) - abs(c_-1))",
                 lambda beams: np.hstack(beams.harmonics(self._count, self._count).axes),
             ),
-            Family(("ellipse_ratio",), "1", "minor over major", self._ellipse_ratio),
+            Family("ellipse", ("ellipse_ratio",), "1", "minor over major", self._ellipse_ratio),
         )
 
     def _moment_families(self) -> tuple[Family, ...]:
         return (
             Family(
+                "moments",
                 (*numbered("hu", range(1, 8)), "compactness", "eccentricity"),
                 "1",
                 f"Hu's moments of the polygon, sign(h) · log10(1 + abs(h) / {self.hu_floor:g}); "
@@ -135,7 +147,7 @@ class FullFeatures:
                 "sqrt((μ20 - μ02)² + 4μ11²) / (μ20 + μ02)",
                 lambda beams: shape_moments(beams.polygons, self.hu_floor),
             ),
-            Family(("form_factor",), "1", "4π · area / perimeter²", _form_factor),
+            Family("form_factor", ("form_factor",), "1", "4π · area / perimeter²", _form_factor),
         )
 
     def _differences(self, beams: Beams) -> Matrix:
@@ -186,21 +198,24 @@ class FullFeatures:
 
 def _size_families() -> tuple[Family, ...]:
     return (
-        Family(("area",), "m²", "area of the polygon", lambda beams: beams.polygons.area),
-        Family(("perimeter",), "m", "perimeter", lambda beams: beams.polygons.perimeter),
+        Family("size", ("area",), "m²", "area of the polygon", lambda beams: beams.polygons.area),
+        Family("size", ("perimeter",), "m", "perimeter", lambda beams: beams.polygons.perimeter),
         Family(
+            "size",
             ("area_per_perimeter",),
             "m",
             "area / perimeter",
             lambda beams: ratio(beams.polygons.area, beams.polygons.perimeter),
         ),
         Family(
+            "boundary",
             ("boundary_mean", "boundary_std"),
             "m",
             "mean and standard deviation of the distance from the centroid to the boundary",
             lambda beams: beams.polygons.boundary_distance(),
         ),
         Family(
+            "boundary",
             ("boundary_mean_scaled", "boundary_std_scaled"),
             "1",
             "the same, divided by the largest distance",

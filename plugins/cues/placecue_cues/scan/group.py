@@ -30,27 +30,33 @@ def families() -> tuple[Family, ...]:
 def _ranges_and_polygon() -> tuple[Family, ...]:
     return (
         Family(
+            "differences",
             ("f2", "f2_sd"),
             "m",
             "mean and standard deviation of abs(r_i - r_next)",
             lambda beams: mean_std(beams.differences()),
         ),
-        Family(("f5",), "m²", "signed area of the polygon", lambda beams: beams.polygons.area),
-        Family(("f6",), "m", "perimeter", lambda beams: beams.polygons.perimeter),
-        Family(("f7",), "1/m", "perimeter / area", _perimeter_per_area),
         Family(
+            "size", ("f5",), "m²", "signed area of the polygon", lambda beams: beams.polygons.area
+        ),
+        Family("size", ("f6",), "m", "perimeter", lambda beams: beams.polygons.perimeter),
+        Family("size", ("f7",), "1/m", "perimeter / area", _perimeter_per_area),
+        Family(
+            "ranges",
             ("f8", "f8_sd"),
             "m",
             "mean and standard deviation of r",
             lambda beams: mean_std(beams.ranges),
         ),
         Family(
+            "boundary",
             ("f9", "f9_sd"),
             "m",
             "mean and standard deviation of D, the distance from the centroid to the end points",
             lambda beams: mean_std(beams.polygons.spokes),
         ),
         Family(
+            "gaps",
             numbered("f14", GAPS),
             "count",
             "number of pairs with abs(r_i - r_next) above so many metres",
@@ -62,26 +68,29 @@ def _ranges_and_polygon() -> tuple[Family, ...]:
 def _fourier() -> tuple[Family, ...]:
     return (
         Family(
+            "fourier",
             numbered("f16", range(2, HARMONICS[0] + 1)),
             "1",
             "abs(c_k) / abs(c_1), c_k the Fourier coefficients of the polygon by arc length",
             lambda beams: beams.harmonics(*HARMONICS).scaled[0][:, 1:],
         ),
         Family(
+            "ellipse",
             ("f17", "f18"),
             "m",
             "major and minor axis, abs(c_1) + abs(c_-1) and abs(abs(c_1) - abs(c_-1))",
             lambda beams: np.hstack(beams.harmonics(*HARMONICS).axes),
         ),
-        Family(("f19",), "1", "f18 / f17", _axes_ratio),
-        Family(("f17_2", "f18_2"), "1", "f17 and f18 divided by abs(c_1)", _scaled_axes),
-        Family(("f19_2",), "1", "f18_2 / f17_2, which is f19 again", _axes_ratio),
+        Family("ellipse", ("f19",), "1", "f18 / f17", _axes_ratio),
+        Family("ellipse", ("f17_2", "f18_2"), "1", "f17 and f18 divided by abs(c_1)", _scaled_axes),
+        Family("ellipse", ("f19_2",), "1", "f18_2 / f17_2, which is f19 again", _axes_ratio),
     )
 
 
 def _ratios() -> tuple[Family, ...]:
     return (
         Family(
+            "ratios",
             ("f27", "f27_sd"),
             "1",
             "mean and standard deviation of q, the smaller over the larger of r_i + 0.0001 and "
@@ -89,18 +98,21 @@ def _ratios() -> tuple[Family, ...]:
             lambda beams: mean_std(beams.ratios(EPSILON)),
         ),
         Family(
+            "ranges",
             ("f28", "f28_sd"),
             "1",
             "mean and standard deviation of (r + 0.0001) / max(r + 0.0001)",
             _relative_ranges,
         ),
         Family(
+            "boundary",
             ("f29", "f29_sd"),
             "1",
             "mean(D) / max(D) + 0.0001, and sqrt(mean((D / max(D) - f29)²))",
             _relative_spokes,
         ),
         Family(
+            "relative_gaps",
             numbered("f30", RELATIVE_GAPS, ".1f"),
             "count",
             "number of pairs with q below so much",
@@ -111,20 +123,23 @@ def _ratios() -> tuple[Family, ...]:
 
 def _counts() -> tuple[Family, ...]:
     return (
-        Family(("f31",), "1", "4π · area / perimeter²", _form_factor),
+        Family("form_factor", ("f31",), "1", "4π · area / perimeter²", _form_factor),
         Family(
+            "kurtosis",
             ("f32",),
             "1",
             "kurtosis of r, m4 / std⁴ (not the excess)",
             lambda beams: kurtosis(beams.ranges),
         ),
         Family(
+            "gaps",
             numbered("f33", GAPS),
             "1",
             "f14 / (n - 1), n the number of beams",
             lambda beams: _gaps(beams) / max(beams.count - 1, 1),
         ),
         Family(
+            "relative_gaps",
             numbered("f34", RELATIVE_GAPS, ".1f"),
             "1",
             "f30 / (n - 1)",

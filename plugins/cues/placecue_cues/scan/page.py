@@ -17,10 +17,17 @@ _INTRODUCTION = """\
 
 The cue `laser` turns a 2D laser scan into a vector of geometric features. This page is made from
 the code: `python -m placecue_cues.scan.page > docs/laser_features.md`. In Python,
-`LaserGeometry(preset).feature_names` and `.feature_units` list every column.
+`LaserGeometry(preset).feature_names`, `.feature_units` and `.families` list every column.
 
 Beams without a valid measurement (NaN, infinite, or outside the scanner's limits) first take the
 scanner's maximum range. No input gives NaN: a ratio to nothing is 0.
+
+Features that say much the same are in one *family*. In the distance between two scans, on which an
+SVM decides, 99 Fourier descriptors outvote everything else, so the default scaling (`families`)
+gives every family the same weight: it maps each feature to its training quantiles and divides it by
+the square root of the family's size. `cues.laser.classifier.scaling=quantiles` does without,
+`'cues.laser.classifier.scaling.weights={fourier: 0.5}'` halves a family's part of the distance.
+What it brings stands in [laser.md](laser.md).
 """
 
 _PRESETS = {
@@ -45,10 +52,10 @@ def page() -> str:
 
 
 def _section(preset: str) -> str:
-    families = LaserGeometry(preset).families()
+    families = LaserGeometry(preset).feature_families()
     total = sum(len(family.names) for family in families)
     head = f"## Preset `{preset}`: {total} features\n\n{_PRESETS[preset]}\n"
-    table = "| column | name | unit | what it is |\n|---|---|---|---|\n"
+    table = "| column | name | family | unit | what it is |\n|---|---|---|---|---|\n"
     return head + table + "".join(_rows(families))
 
 
@@ -58,7 +65,8 @@ def _rows(families: tuple[Family, ...]) -> Iterator[str]:
         last = column + len(family.names) - 1
         columns = f"{column}" if last == column else f"{column} to {last}"
         column = last + 1
-        yield f"| {columns} | {_names(family.names)} | {family.unit} | {family.meaning} |\n"
+        what = f"`{family.name}` | {family.unit} | {family.meaning}"
+        yield f"| {columns} | {_names(family.names)} | {what} |\n"
 
 
 def _names(names: tuple[str, ...]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -71,6 +72,12 @@ def fails(folder: Path, *words: str) -> str:
     return told.line
 
 
+def with_model(trained: str, request: pytest.FixtureRequest) -> list[str]:
+    """Return the words that choose a model; one of two cues is to have both."""
+    both = ["min_cues=2"] if trained == "model" else []
+    return [f"model={request.getfixturevalue(trained)}", *both]
+
+
 def goes_on(*words: str) -> Told:
     told = placecue(*words)
     assert told.status == 0, told.err
@@ -88,7 +95,7 @@ def test_some_are_spoilt(
     cue: list[str],
     said: str,
 ) -> None:
-    words = cue if command == "train" else [f"model={request.getfixturevalue(trained)}"]
+    words = cue if command == "train" else with_model(trained, request)
     told = goes_on(command, *words, log_of(tmp_path, change, EVERY), "out=out")
     assert told.line.startswith(f"{SPOILT} of 96 observations passed over; the first: ")
     assert said in told.line
@@ -112,7 +119,7 @@ def test_all_are_spoilt(
     cue: list[str],
     said: str,
 ) -> None:
-    words = cue if command == "train" else [f"model={request.getfixturevalue(trained)}"]
+    words = cue if command == "train" else with_model(trained, request)
     line = fails(tmp_path, command, *words, log_of(tmp_path, change), "out=out")
     assert line.startswith("no usable observation: 96 of 96 observations passed over; the first: ")
     assert said in line
@@ -121,6 +128,14 @@ def test_all_are_spoilt(
 def test_spoilt_parts_that_no_cue_needs_do_not_matter(tmp_path: Path, laser_model: Path) -> None:
     told = goes_on("label", f"model={laser_model}", log_of(tmp_path, no_picture), "out=out")
     assert told.err == ""
+
+
+def test_of_two_cues_the_other_goes_on(tmp_path: Path, model: Path) -> None:
+    told = goes_on("classify", f"model={model}", log_of(tmp_path, no_picture), "out=out")
+    assert told.line.startswith("cue crfh is missing at 96 of 96 observations, which go on without")
+    assert {row["cues"] for row in rows(tmp_path / "out" / "beliefs.csv")} == {"laser"}
+    metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
+    assert metrics["cues_missing"] == {"crfh": 96}
 
 
 def test_without_labels(tmp_path: Path) -> None:

@@ -162,7 +162,7 @@ def test_a_log_that_lacks_what_the_model_needs(
     tmp_path: Path, model: Path, two_lasers: Path
 ) -> None:
     words = [f"model={model}", f"log={two_lasers}", "source.scan_topic=/front", "out=out"]
-    told = placecue("classify", *words)
+    told = placecue("classify", *words, "min_cues=2")
     assert told.status == 1
     assert told.line.startswith("no usable observation: 20 of 20 observations passed over")
     assert "no image" in told.line

@@ -49,7 +49,7 @@ def test_one_cue(laser_model: Path) -> None:
     assert list(pipeline.cues) == ["laser"]
     assert right(pipeline) > 0.75
     config = yaml.safe_load((laser_model / "config.yaml").read_text())
-    assert config["cues"]["laser"]["classifier"]["search"]["C"] == [1, 10, 100, 1000]
+    assert config["cues"]["laser"]["classifier"]["search"]["C"] == [1, 10, 100]
     assert not config["integrator"]
 
 
@@ -65,7 +65,7 @@ def test_two_cues(model: Path, log_a: Path) -> None:
     assert {(each["kind"], each["name"]) for each in manifest["plugins"]} == {
         *[("cue", "crfh"), ("cue", "laser"), ("classifier", "svm"), ("integrator", "svm_das")],
         *[("kernel", "chi2"), ("kernel", "rbf"), ("folds", "interleaved")],
-        *[("scaling", "quantiles"), ("scaling", "range")],
+        *[("scaling", "families"), ("scaling", "quantiles"), ("scaling", "range")],
         *[("layout", "one_against_all"), ("layout", "one_against_one")],
     }
     assert manifest["files"] == {

@@ -73,6 +73,9 @@ RIGHT = [
     ("batch", (SPARSE, 2, SPARSE[[0]])),
     ("batch", (SETS, 2, SETS)),
     ("batch", (DENSE, 2, np.zeros((9, 3)))),
+    ("families", (None, DENSE)),
+    ("families", (("gaps", "gaps", "size"), DENSE)),
+    ("families", (["red", "green", "blue"], SPARSE)),
     ("gram", (DENSE, 2, 3)),
     ("gram", (DENSE.astype(np.float32), 2, 3)),
     ("scaled", (DENSE, (2, 3))),
@@ -118,6 +121,10 @@ def test_scores_may_have_gaps_where_that_is_allowed() -> None:
 
 
 WRONG = [
+    ("families", ("gap", DENSE), "is 'gap', not a sequence of names or None"),
+    ("families", (3, DENSE), "is 3, not a sequence of names or None"),
+    ("families", (("gaps", 1, "size"), DENSE), "is a tuple, not a sequence of names or None"),
+    ("families", (["gaps"], DENSE), "names 1 column of 3"),
     ("features", ([1.0],), "returned a list, not a vector, a CSR row or descriptors"),
     ("features", (None,), "returned None, not a vector"),
     ("features", (3.5,), "returned a float, not a vector"),

@@ -210,3 +210,41 @@ def test_two_cues_one_of_which_has_copies() -> None:
     beliefs = list(pipeline.beliefs(Walk(seed=1)))
     right = [b.label == o.label for b, o in zip(beliefs, Walk(seed=1), strict=True)]
     assert np.mean(right) > 0.9
+
+
+class InFamilies(toys.Beams):
+    """The first few beams, the first two of which are alike."""
+
+    families = ("near", "near", "far", "far")
+
+
+class InTooFew(toys.Beams):
+    """Names the families of some of its features."""
+
+    families = ("near", "far")
+
+
+def test_a_training_set_knows_the_families_of_its_features() -> None:
+    cues = {"families": InFamilies(), "plain": toys.Beams()}
+    samples = collect(Walk(rounds=1), cues)
+    assert samples.training_set("families", cues["families"]).families == InFamilies.families
+    assert samples.training_set("plain", cues["plain"]).families is None
+
+
+class LearningFamilies(toys.Brightness):
+    """Learns, and says what its features are."""
+
+    families = ("red", "green", "blue")
+
+
+def test_a_fold_of_a_cue_that_learns_is_in_the_same_families() -> None:
+    cue = LearningFamilies()
+    training = collect(Walk(rounds=1), {"colour": cue}).training_set("colour", cue)
+    assert training.families == LearningFamilies.families
+    assert training.relearned(np.arange(40)).families == LearningFamilies.families
+
+
+def test_families_are_as_many_as_features() -> None:
+    refused = r"^cue InTooFew \(.*\): families names 2 columns of 4$"
+    with pytest.raises(ContractError, match=refused):
+        Pipeline({"beams": (InTooFew(), SVM(RBF()))}).fit(Walk(rounds=1))

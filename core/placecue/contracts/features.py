@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from placecue.contracts.words import all_finite, counted, numbers, rows
+from placecue.contracts.words import all_finite, counted, numbers, rows, shown
 from placecue.errors import described
 from placecue.features import DescriptorSets, FeatureBatch, FeatureParts, form, kind_of
 
@@ -62,8 +62,9 @@ def families(made: Any, like: FeatureBatch) -> str | None:
         if not made.keys() <= like.parts.keys():
             return f"names the parts {', '.join(map(str, made))} of {', '.join(like.parts)}"
         return next(filter(None, (families(made[n], like.parts[n]) for n in made)), None)
-    if not isinstance(made, Sequence) or not all(isinstance(name, str) for name in made):
-        return f"is {described(made)}, not a sequence of names or None"
+    several = isinstance(made, Sequence) and not isinstance(made, str)
+    if not several or not all(isinstance(name, str) for name in made):
+        return f"is {shown(made)}, not a sequence of names or None"
     columns = like.shape[1]
     return None if len(made) == columns else f"names {counted(len(made), 'column')} of {columns}"
 

@@ -176,7 +176,7 @@ def fitted_scaling(
 
 def _fitted_on(dense: FeatureBatch, scaling: Scaling, families: Sequence[str] | None) -> Scaling:
     copy: Scaling = clone(scaling)
-    call(copy, "train", np.asarray(dense), families)
+    call(copy, "train", np.asarray(dense, dtype=np.float64), families)
     return copy
 
 
@@ -190,7 +190,7 @@ def transformed(scaling: Fitted, features: FeatureBatch) -> Any:
 
 
 def _scaled(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]:
-    dense = np.asarray(features)
+    dense = np.asarray(features, dtype=np.float64)
 
     def wrong(made: object) -> str | None:
         return contracts.scaled(made, dense.shape) or contracts.finite(made)

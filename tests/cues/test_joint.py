@@ -26,6 +26,7 @@ from placecue.learning.families import families_of
 from placecue_classifiers.svm import SVM
 from placecue_cues.joint import Joint
 from placecue_cues.laser import LaserGeometry
+from placecue_integrators.svm_das import SVMDAS
 from placecue_kernels.rbf import RBF
 from toys import Beams, Brightness, Walk
 
@@ -189,3 +190,15 @@ def test_each_part_is_scaled_with_its_families() -> None:
     expected = [1 / np.sqrt(sizes[name]) for name in LaserGeometry().families]
     assert scaling["laser"].weights_.tolist() == pytest.approx(expected)
     assert scaling["beams"].weights_.tolist() == [1, 1, 1, 1]
+
+
+def test_a_pipeline_goes_on_without_a_joint_cue() -> None:
+    walk = list(Walk(rounds=2, stay=8))
+    for dark in range(0, len(walk), 3):
+        full = walk[dark]
+        walk[dark] = Observation(full.stamp, scan=full.scan, label=full.label)
+    joint = Joint({"beams": Beams(), "bright": Brightness()})
+    models = {"beams": (Beams(), SVM(RBF(0.1))), "joint": (joint, SVM(RBF(0.01)))}
+    beliefs = list(Pipeline(models, SVMDAS(SVM(RBF(0.3)))).fit(walk).beliefs(walk))
+    both, one = ("beams", "joint"), ("beams",)
+    assert [each.cues_used for each in beliefs] == [both if n % 3 else one for n in range(64)]

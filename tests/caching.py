@@ -9,8 +9,7 @@ import numpy as np
 from scipy import sparse
 
 import toys
-from placecue import Cue, Observation, UnusableObservation
-from placecue.features import DescriptorSets
+from placecue import Cue, DescriptorSets, FeatureParts, Observation, UnusableObservation
 from placecue.learning.collecting import collect
 from placecue.storage.feature_cache import FeatureCache
 from toys import Brightness, Walk
@@ -72,6 +71,11 @@ def extracted(folder: Path | None, cue: Cue, log: Walk | None = None) -> object:
 
 
 def same(a: object, b: object) -> bool:
+    if isinstance(a, FeatureParts):
+        assert isinstance(b, FeatureParts)
+        return list(a.parts) == list(b.parts) and all(
+            same(part, b.parts[name]) for name, part in a.parts.items()
+        )
     if isinstance(a, DescriptorSets):
         assert isinstance(b, DescriptorSets)
         return np.array_equal(a.offsets, b.offsets) and same(a.values, b.values)

@@ -36,8 +36,10 @@ if TYPE_CHECKING:
     from placecue.faults import Faults
     from placecue.features import (
         DescriptorSets,
+        Families,
         FeatureBatch,
         FeatureKind,
+        FeatureParts,
         Features,
         kind_of,
         n_samples,
@@ -50,7 +52,7 @@ if TYPE_CHECKING:
     from placecue.held_out import HeldOut
     from placecue.integrator import Integrator
     from placecue.interrupting import interruptible
-    from placecue.kernel import DistanceKernel, Gram, Kernel
+    from placecue.kernel import DistanceKernel, Gram, Kernel, fit_kernel
     from placecue.labels.geojson import Feature, FeatureCollection, read_geojson
     from placecue.learning.rejection import Unknown
     from placecue.logs.adapters.base import Adapter, Role
@@ -117,12 +119,14 @@ __all__ = [
     "Evidence",
     "Extracted",
     "Extraction",
+    "Families",
     "FamilyScaling",
     "Faults",
     "Feature",
     "FeatureBatch",
     "FeatureCollection",
     "FeatureKind",
+    "FeatureParts",
     "Features",
     "FoldScheme",
     "Gram",
@@ -188,6 +192,7 @@ __all__ = [
     "current",
     "described",
     "estimators",
+    "fit_kernel",
     "hookimpl",
     "interruptible",
     "keeping",
@@ -231,8 +236,10 @@ _MODULES = {
     "faults": ("Faults",),
     "features": (
         "DescriptorSets",
+        "Families",
         "FeatureBatch",
         "FeatureKind",
+        "FeatureParts",
         "Features",
         "kind_of",
         "n_samples",
@@ -245,7 +252,7 @@ _MODULES = {
     "held_out": ("HeldOut",),
     "integrator": ("Integrator",),
     "interrupting": ("interruptible",),
-    "kernel": ("DistanceKernel", "Gram", "Kernel"),
+    "kernel": ("DistanceKernel", "Gram", "Kernel", "fit_kernel"),
     "labels.geojson": ("Feature", "FeatureCollection", "read_geojson"),
     "learning.rejection": ("Unknown",),
     "logs.adapters.base": ("Adapter", "Role"),

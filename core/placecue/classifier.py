@@ -17,7 +17,16 @@ from sklearn.utils.validation import column_or_1d, validate_data
 
 from placecue.errors import DataError, UsageError
 from placecue.estimator import Estimator, clone
-from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, spoilt_rows, take
+from placecue.features import (
+    FeatureBatch,
+    FeatureKind,
+    FeatureParts,
+    form,
+    kind_of,
+    n_samples,
+    spoilt_rows,
+    take,
+)
 from placecue.folds import Rows
 from placecue.scores import Layout, Scores
 from placecue.training_set import TrainingSet
@@ -43,6 +52,8 @@ class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
         Changes when the results do, so that a model does not meet another classifier unawares.
     layout_ : Layout
         What the columns of the scores are; set by :meth:`fit`.
+    form_ : str
+        What features in parts were like in training, in words; not there for others.
     labels_ : ndarray, shape (M,)
         The classes as they were given in training, in the order of ``layout_.classes``; a
         classifier sets it with :meth:`learn_classes`, or leaves it out where labels are text.
@@ -172,11 +183,15 @@ class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
         DataError
             If they are not.
         """
-        if kind_of(features) is not FeatureKind.DESCRIPTORS:
-            features = self._validated(features, y=labels, reset=True)
-        elif len(features) != len(np.asarray(labels)):
+        self.__dict__.pop("form_", None)
+        if isinstance(features, FeatureParts):
+            self.form_ = form(features)
+        elif kind_of(features) is not FeatureKind.DESCRIPTORS:
+            return self._some_and_finite(self._validated(features, y=labels, reset=True))
+        if n_samples(features) != len(np.asarray(labels)):
             raise UnfitSamples(
-                f"{len(features)} samples and {len(np.asarray(labels))} labels: give one a sample"
+                f"{n_samples(features)} samples and {len(np.asarray(labels))} labels: give one a "
+                "sample"
             )
         return self._some_and_finite(features)
 
@@ -231,7 +246,9 @@ class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
         usual = isinstance(features, np.ndarray) and features.dtype == np.float64
         if usual and features.shape[1:] == (getattr(self, "n_features_in_", -1),):
             return self._some_and_finite(features)
-        if kind_of(features) is not FeatureKind.DESCRIPTORS:
+        if isinstance(features, FeatureParts) or hasattr(self, "form_"):
+            self._check_form(features)
+        elif kind_of(features) is not FeatureKind.DESCRIPTORS:
             self._check_width(features)
             features = self._validated(features, reset=False)
         return self._some_and_finite(features)
@@ -243,6 +260,16 @@ class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
                 f"X has {width[0]} features, but {type(self).__name__} is expecting {known} "
                 "features as input, as in training: the cue must have the same parameters, and "
                 "for some cues an image of another size has other features"
+            )
+
+    def _check_form(self, features: FeatureBatch) -> None:
+        """Raise UnfitSamples unless features in parts have the parts of those in training."""
+        known = getattr(self, "form_", "features in one piece")
+        if form(features) != known:
+            raise UnfitSamples(
+                f"{type(self).__name__} was trained on {known}, got {form(features)}: the cue and "
+                "its parts must have the same parameters, and for some cues an image of another "
+                "size has other features"
             )
 
     def _validated(self, features: FeatureBatch, **options: Any) -> FeatureBatch:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from placecue import contracts
 from placecue.estimator import Estimator
-from placecue.features import FeatureBatch, Features, stack
+from placecue.features import Families, FeatureBatch, Features, stack
 from placecue.guard import call
 from placecue.observation import Observation, Part
 
@@ -39,12 +39,13 @@ class Cue(Estimator, ABC):
     learns: ClassVar[bool] = False
 
     @property
-    def families(self) -> Sequence[str] | None:
+    def families(self) -> Families | None:
         """The family that each feature of a dense vector belongs to, d names.
 
         Features of a family say much the same, such as counts at several thresholds; a scaling
         may weigh families rather than features (:class:`placecue.FamilyScaling`). None, the
-        default, says nothing.
+        default, says nothing. Of features in parts it is a mapping, from the dense parts of which
+        it is known to d names each.
         """
         return None
 

@@ -14,7 +14,7 @@ from placecue import contracts
 from placecue.attempts import Attempts, attempt, attempt_each
 from placecue.cue import Cue
 from placecue.errors import ContractError, UnusableObservation
-from placecue.features import FeatureBatch, Features, join, kind_of, spoilt_rows, stack, take
+from placecue.features import FeatureBatch, Features, form, join, spoilt_rows, stack, take
 from placecue.folds import Rows
 from placecue.guard import call
 from placecue.observation import Observation, Origin
@@ -160,10 +160,10 @@ def joined(cue: Cue, batches: Sequence[FeatureBatch]) -> FeatureBatch:
     """
     first = batches[0]
     for batch in batches[1:]:
-        if kind_of(batch) is not kind_of(first) or batch.shape[1] != first.shape[1]:
+        if form(batch) != form(first):
             raise ContractError(
-                f"{provenance(cue)}: made a {kind_of(batch)} of width {batch.shape[1]} after a "
-                f"{kind_of(first)} of width {first.shape[1]}: the features of a cue must be alike"
+                f"{provenance(cue)}: made {form(batch)} after {form(first)}: the features of a "
+                "cue must be alike"
             )
     return first if len(batches) == 1 else join(batches)
 

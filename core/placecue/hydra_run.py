@@ -267,10 +267,11 @@ def _missing(command: str, error: Exception) -> str:
 
 def _unknown_option(command: str, error: MissingConfigException) -> str:
     group, _, name = str(error.missing_cfg_file).rpartition("/")
-    options = error.options or current_plugins().registry.names(cast(Kind, group))
+    kind = "cue" if group in ("part", "parts") else group  # parts are cues
+    options = error.options or current_plugins().registry.names(cast(Kind, kind))
     if not group:
         return f"{command}: {_one_line(error)}"
-    return f"{command}: unknown {group} '{name}'; {choices(name, options)}"
+    return f"{command}: unknown {kind} '{name}'; {choices(name, options)}"
 
 
 def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
@@ -278,7 +279,7 @@ def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
     found = re.match(r"Could not override '([^']+)'", str(error))
     if found is None:
         return f"{command}: {_one_line(error)}"
-    key = found.group(1)
+    key = found.group(1).rpartition("@")[2]
     parent, _, name = key.rpartition(".")
     known = _node(command, [o for o in overrides if not o.startswith((key, "-"))], parent)
     if name in known:  # the value was refused, not the key

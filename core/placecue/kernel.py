@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from placecue.errors import UsageError
 from placecue.estimator import Estimator
-from placecue.features import FeatureBatch, FeatureKind, kind_of
+from placecue.features import FeatureBatch, FeatureKind, FeatureParts, kind_of
+from placecue.guard import call
 
 Gram = NDArray[np.float64]
 
@@ -21,7 +22,11 @@ class Kernel(Estimator, ABC):
     Attributes
     ----------
     accepts : frozenset of FeatureKind
-        The kinds of features that the kernel can take.
+        The kinds of features that the kernel can take. One that takes parts takes them as one
+        joined vector, and each must be of another kind that it takes.
+    wants_labels : bool
+        Whether :meth:`fit` takes the classes of the training samples too:
+        ``fit(features, labels)``, labels of shape (n,). Such a kernel is fitted in each fold anew.
     positive_definite : bool
         Whether every Gram matrix is positive semi-definite.
     version : str
@@ -29,6 +34,7 @@ class Kernel(Estimator, ABC):
     """
 
     accepts: ClassVar[frozenset[FeatureKind]] = frozenset()
+    wants_labels: ClassVar[bool] = False
     positive_definite: ClassVar[bool] = True
     version: ClassVar[str] = "1"
 
@@ -73,13 +79,39 @@ class Kernel(Estimator, ABC):
         return gram
 
     def check(self, *batches: FeatureBatch | None) -> None:
-        """Raise UsageError if a batch is of a kind that the kernel cannot take."""
+        """Raise UsageError if a batch, or a part of one, is of a kind that it cannot take."""
         for batch in batches:
-            if batch is not None and kind_of(batch) not in self.accepts:
-                raise UsageError(
-                    f"kernel {type(self).__name__} takes {' or '.join(sorted(self.accepts))}, got "
-                    f"{kind_of(batch)}: choose another kernel for this cue"
-                )
+            if batch is None:
+                continue
+            if kind_of(batch) not in self.accepts:
+                raise self._wrong_kind(str(kind_of(batch)))
+            if isinstance(batch, FeatureParts):
+                self._check_parts(batch)
+
+    def _check_parts(self, batch: FeatureParts) -> None:
+        for name, part in batch.parts.items():
+            if kind_of(part) not in self.accepts:
+                raise self._wrong_kind(f"{kind_of(part)} in part '{name}'")
+
+    def _wrong_kind(self, got: str) -> UsageError:
+        return UsageError(
+            f"kernel {type(self).__name__} takes {' or '.join(sorted(self.accepts))}, got {got}: "
+            "choose another kernel for this cue"
+        )
+
+
+def fit_kernel(kernel: Kernel, features: FeatureBatch, labels: Any = None) -> Kernel:
+    """Fit a kernel on n training samples and return it; it gets labels if it wants them.
+
+    Parameters
+    ----------
+    kernel : Kernel
+    features : batch of n samples
+    labels : array, shape (n,), optional
+        Their classes.
+    """
+    call(kernel, "fit", *((features, labels) if kernel.wants_labels else (features,)))
+    return kernel
 
 
 class DistanceKernel(Kernel):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import DataError
-from placecue.features import FeatureBatch, join, take
+from placecue.features import Families, FeatureBatch, join, take
 from placecue.folds import FoldScheme, InterleavedChunks, Rows, cut
 
 
@@ -39,8 +39,8 @@ class TrainingSet:
     part : bool
         Whether these are some of the samples that the folds were chosen for, such as the rest of
         a fold; they are cut into interleaved chunks where they cannot be cut as all would be.
-    families : tuple of str, optional
-        The family of each of d features, for scalings that weigh families; see
+    families : tuple of str, or mapping of str to such, optional
+        The family of each of d features, for scalings that weigh families, or by part; see
         :attr:`placecue.Cue.families`.
     """
 
@@ -52,7 +52,7 @@ class TrainingSet:
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     relearn: Callable[[Rows], TrainingSet] | None = None
     part: bool = False
-    families: tuple[str, ...] | None = None
+    families: Families | None = None
 
     def __len__(self) -> int:
         return len(self.labels)

@@ -16,6 +16,7 @@ from placecue.scaling import RangeScaling, StandardScaling
 from placecue_classifiers.svm import SVM
 from placecue_kernels.chi2 import Chi2
 from placecue_kernels.linear import Linear
+from placecue_kernels.match import Match
 from placecue_kernels.rbf import RBF
 
 Blobs = tuple[np.ndarray, np.ndarray]
@@ -221,8 +222,8 @@ def test_bad_samples_are_named(seen: Blobs) -> None:
         features[few], labels[few]
     )
     assert len(small.search_["C"]) == 1
-    with pytest.raises(UsageError, match="takes dense vector, got sparse histogram"):
-        SVM(RBF()).fit(sparse.csr_array(features), labels)
+    with pytest.raises(UsageError, match="takes set of local descriptors, got sparse histogram"):
+        SVM(Match()).fit(sparse.csr_array(features), labels)
     with pytest.raises(DataError, match="histograms"):
         SVM(Chi2()).fit(features, labels)
 

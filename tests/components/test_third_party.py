@@ -29,6 +29,14 @@ def test_a_cue_without_an_option_file_still_has_an_option(wheel: Path) -> None:
     assert "count: 7" in shown.stdout
 
 
+def test_its_cues_may_be_parts_of_a_joint_one(wheel: Path) -> None:
+    words = ["cues.joint.parts=[spread,laser,nearest]", "cues.joint.parts.nearest.count=7"]
+    shown = placecue(wheel, "train", "cue=joint", "integrator=none", *words, "--cfg", "job")
+    assert shown.returncode == 0, shown.stderr
+    assert "      spread:\n        plugin: spread\n        power: 0.5\n      laser:" in shown.stdout
+    assert "      nearest:\n        plugin: nearest\n        count: 7\n    plugin:" in shown.stdout
+
+
 def test_an_option_file_that_clashes_is_reported_and_left_out(wheel: Path) -> None:
     shown = placecue(wheel, "train", "cue=crfh", "--cfg", "job")
     assert "99" not in shown.stdout

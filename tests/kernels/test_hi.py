@@ -77,7 +77,7 @@ def test_what_cannot_be_intersected(bad: float) -> None:
 def test_wrong_kinds_and_widths() -> None:
     sets = DescriptorSets(np.zeros((3, 2)), np.array([0, 1, 3]))
     for call in (HistogramIntersection().fit, HistogramIntersection().gram):
-        with pytest.raises(UsageError, match="takes dense vector or sparse histogram"):
+        with pytest.raises(UsageError, match=r"takes dense vector or .* or sparse histogram"):
             call(sets)
     with pytest.raises(UsageError, match="30 and of 31 columns"):
         HistogramIntersection().gram(vectors(2, 0), vectors(2, 0, 31))

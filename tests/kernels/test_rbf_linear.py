@@ -73,9 +73,15 @@ def test_wrong_widths(kernel: RBF | Linear | Chi2) -> None:
         kernel.gram(np.ones((2, 4)), np.ones((3, 5)))
 
 
-def test_rbf_refuses_sparse_histograms() -> None:
-    with pytest.raises(UsageError, match="RBF takes dense vector"):
-        RBF().gram(sparse.csr_array(np.eye(3)))
+def test_rbf_of_sparse_histograms() -> None:
+    values = np.eye(3)
+    values[1, 2] = 2.0
+    # 1 + 1 between the first and the last; 1 + 1 + 4 and 4 - 4 + 1 + 1 from the one in between.
+    squared = np.array([[0, 6, 2], [6, 0, 2], [2, 2, 0]])
+    found = RBF(0.3).gram(sparse.csr_array(values))
+    np.testing.assert_allclose(found, np.exp(-0.3 * squared), rtol=1e-14)
+    one_by_one = [RBF(0.3).gram(sparse.csr_array(values), row[None]) for row in values]
+    np.testing.assert_allclose(np.hstack(one_by_one), found, rtol=1e-14)
 
 
 @pytest.mark.parametrize("kernel", [RBF(0.3), Linear(), Chi2(0.7)])

@@ -1,8 +1,8 @@
 """How Hydra finds the options of plugins.
 
-Two things are registered with Hydra in-process: a search-path plugin that appends the config paths
-which plugins bring, and a config source that makes an option for every component without a YAML
-file, from its parameters' defaults.
+Three things are registered with Hydra in-process: a search-path plugin that appends the config
+paths which plugins bring, a config source that makes an option for every component without a YAML
+file, from its parameters' defaults, and one that gives the options of cues as parts of a cue.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ class PluginOptions(SearchPathPlugin):
         for path, distribution in current_plugins().config_paths.items():
             search_path.append(provider=distribution, path=path)
         search_path.append(provider="placecue-defaults", path="component://")
+        search_path.append(provider="placecue-parts", path="parts://")
 
 
 class ComponentOptions(ConfigSource):
@@ -137,9 +138,12 @@ def _name_of(default: Any, kind: Kind, registry: Registry) -> str | None:
 
 def register_with_hydra() -> None:
     """Make Hydra see the options of plugins, and report option files that clash."""
+    from placecue.components.part_options import PartOptions  # made of what stands above
+
     plugins = HydraPlugins.instance()
     plugins.register(PluginOptions)
     plugins.register(ComponentOptions)
+    plugins.register(PartOptions)
     for clash in clashes():
         log.warning(clash)
 
@@ -165,11 +169,16 @@ def option_files(path: str) -> list[str]:
     if not path.startswith("pkg://"):
         return []
     try:
-        root = files(path.removeprefix("pkg://").replace("/", "."))
+        root = root_of(path)
     except (ModuleNotFoundError, TypeError):
         log.warning(f"config path {path} does not exist; a plugin names it")
         return []
     return sorted(_yaml_files(root, ""))
+
+
+def root_of(path: str) -> Traversable:
+    """Return the folder that a ``pkg://`` config path names."""
+    return files(path.removeprefix("pkg://").replace("/", "."))
 
 
 def _yaml_files(folder: Traversable, prefix: str) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,14 +10,16 @@ from scipy import sparse
 
 from placecue.contracts.words import all_finite, counted, numbers, rows, shown
 from placecue.errors import described
-from placecue.features import DescriptorSets, FeatureBatch, kind_of
+from placecue.features import DescriptorSets, FeatureBatch, FeatureParts, form, kind_of
 
 
 def features(made: Any) -> str | None:
     """Check the features of one observation: a vector, a CSR row or local descriptors, of numbers.
 
-    Whether they are finite is :func:`finite`.
+    Parts are a batch of one sample. Whether they are finite is :func:`finite`.
     """
+    if isinstance(made, FeatureParts):
+        return batch(made, 1)
     if sparse.issparse(made):
         return _csr(made, 1)
     if not isinstance(made, np.ndarray):
@@ -37,9 +39,11 @@ def batch(made: Any, n: int, like: FeatureBatch | None = None) -> str | None:
     n : int
         How many samples were asked for.
     like : batch, optional
-        Features that these must fit: of the same kind and width.
+        Features that these must fit: of the same kind, width and parts.
     """
-    if isinstance(made, DescriptorSets):
+    if isinstance(made, FeatureParts):
+        wrong = _parts(made, n)
+    elif isinstance(made, DescriptorSets):
         wrong = _descriptors(made)
     elif sparse.issparse(made):
         wrong = _csr(made, n)
@@ -51,9 +55,13 @@ def batch(made: Any, n: int, like: FeatureBatch | None = None) -> str | None:
 
 
 def families(made: Any, like: FeatureBatch) -> str | None:
-    """Check the families of features: None, or a name for each column of a batch."""
+    """Check the families of features: None, or a name for each column of a batch, or by part."""
     if made is None:
         return None
+    if isinstance(made, Mapping) and isinstance(like, FeatureParts):
+        if not made.keys() <= like.parts.keys():
+            return f"names the parts {', '.join(map(str, made))} of {', '.join(like.parts)}"
+        return next(filter(None, (families(made[n], like.parts[n]) for n in made)), None)
     several = isinstance(made, Sequence) and not isinstance(made, str)
     if not several or not all(isinstance(name, str) for name in made):
         return f"is {shown(made)}, not a sequence of names or None"
@@ -63,6 +71,8 @@ def families(made: Any, like: FeatureBatch) -> str | None:
 
 def finite(made: Any) -> str | None:
     """Check that numbers (features of any kind, or an array) are finite."""
+    if isinstance(made, FeatureParts):
+        return next(filter(None, map(finite, made.parts.values())), None)
     if isinstance(made, DescriptorSets):
         made = made.values
     values = made.data if sparse.issparse(made) else made
@@ -89,7 +99,21 @@ def _descriptors(made: DescriptorSets) -> str | None:
     return numbers(values)
 
 
+def _parts(made: FeatureParts, n: int) -> str | None:
+    if not isinstance(made.parts, Mapping) or not made.parts:
+        return "returned features in parts without a part"
+    for name, part in made.parts.items():
+        nested = isinstance(part, FeatureParts)
+        wrong = "returned parts of its own" if nested else batch(part, n)
+        if wrong or not isinstance(name, str):
+            return f"{wrong or 'returned a part whose name is no text'}, in part {name!r:.80}"
+    return None
+
+
 def _unlike(made: FeatureBatch, like: FeatureBatch) -> str | None:
+    if isinstance(made, FeatureParts) or isinstance(like, FeatureParts):
+        given, known = form(made), form(like)
+        return None if given == known else f"returned {given} where training had {known}"
     if kind_of(made) is not kind_of(like):
         return f"returned a {kind_of(made)} where training had a {kind_of(like)}"
     if made.shape[1] != like.shape[1]:

@@ -16,12 +16,12 @@ from scipy import sparse
 
 from placecue.atomic import replacing
 from placecue.errors import DataError
-from placecue.features import DescriptorSets
+from placecue.features import DescriptorSets, FeatureParts
 from placecue.storage.guarded import opened, size_of
 
 Parts = dict[str, NDArray[Any]]
 #: What :func:`parts_of` takes apart, by the names it gives them.
-KINDS = ("array", "csr", "descriptors")
+KINDS = ("array", "csr", "descriptors", "parts")
 #: Kinds of numpy data that are kept: numbers, truth values and text; no objects.
 _PLAIN = "biufUSM"
 #: Bytes that the header of an array of format 1.0 fits into.
@@ -31,13 +31,15 @@ _BLOCK = 2**20
 
 
 def parts_of(value: Any) -> tuple[dict[str, Any], Parts] | None:
-    """Take an array, sparse matrix or batch of descriptor sets apart.
+    """Take an array, sparse matrix, or batch of descriptor sets or of features in parts, apart.
 
     Returns
     -------
     tuple of dict and dict, or None
         What it is, as JSON, and its plain arrays by name; None if it is nothing of the kind.
     """
+    if isinstance(value, FeatureParts):
+        return _parts_of_parts(value)
     if isinstance(value, DescriptorSets):
         return {"@": "descriptors"}, {"values": value.values, "offsets": value.offsets}
     if sparse.issparse(value):
@@ -47,6 +49,16 @@ def parts_of(value: Any) -> tuple[dict[str, Any], Parts] | None:
     if isinstance(value, np.ndarray) and value.dtype.kind in _PLAIN:
         return {"@": "array"}, {"value": value}
     return None
+
+
+def _parts_of_parts(value: FeatureParts) -> tuple[dict[str, Any], Parts] | None:
+    """Take features in parts apart; the arrays of part i are called ``i.NAME``."""
+    apart = [parts_of(part) for part in value.parts.values()]
+    whole = [each for each in apart if each is not None]
+    if len(whole) < len(apart):
+        return None
+    arrays = {f"{i}.{n}": a for i, (_, parts) in enumerate(whole) for n, a in parts.items()}
+    return {"@": "parts", "names": list(value.parts), "of": [what for what, _ in whole]}, arrays
 
 
 def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> Path:
@@ -175,7 +187,27 @@ def from_parts(what: Mapping[str, Any], parts: Mapping[str, NDArray[Any]]) -> An
         return matrix
     if kind == "descriptors":
         return _descriptors(parts["values"], parts["offsets"])
+    if kind == "parts":
+        return _feature_parts(what, parts)
     raise KeyError(kind)
+
+
+def _feature_parts(what: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> FeatureParts:
+    names, kinds = what["names"], what["of"]
+    if not names or len({*names}) < len(names) or not all(isinstance(n, str) for n in names):
+        raise ValueError(f"features in parts called {names!r:.80}")
+    parts: dict[str, Any] = {}
+    for number, (name, kind) in enumerate(zip(names, kinds, strict=True)):
+        if kind["@"] == "parts":
+            raise ValueError(f"part {name!r:.80} is itself in parts")
+        own = f"{number}."
+        of_part = {n.removeprefix(own): a for n, a in arrays.items() if n.startswith(own)}
+        parts[name] = from_parts(kind, of_part)
+        if len(parts[name].shape) != 2:
+            raise ValueError(f"part {name!r:.80} is no batch of features")
+    if len({part.shape[0] for part in parts.values()}) > 1:
+        raise ValueError("the parts are of different numbers of samples")
+    return FeatureParts(parts)
 
 
 def _descriptors(values: NDArray[Any], offsets: NDArray[Any]) -> DescriptorSets:

@@ -240,13 +240,13 @@ class _Keys:
         None if a parameter is nothing that a digest can be made of, such as a function.
         """
         try:
-            parameters = _json(_plain_parameters(cue))
+            parameters = _json(cue.get_params(deep=False))
         except (PicklingError, TypeError, AttributeError):
             return None
         known, state = self._known.get((id(cue), altered)), learned(cue)
         if known is not None and known[:2] == (cue, parameters) and _same(known[2], state):
             return known[3]
-        about = {**self.about(cue), "altered": altered, "learned": joblib.hash(state)}
+        about = {**self.about(cue), "altered": altered, "learned": joblib.hash(_bare(state))}
         found = (about["cue"], _digest([about, parameters]))
         self._known[id(cue), altered] = (cue, parameters, state, found)
         return found
@@ -274,8 +274,10 @@ class _Keys:
     def _shown(self, value: Any) -> Any:
         """Return a parameter for a person: of a component its name, and what is unlike its usual.
 
-        What stands in lists and mappings is left as it is.
+        What stands in lists is left as it is.
         """
+        if isinstance(value, Mapping):
+            return {name: self._shown(each) for name, each in value.items()}
         if not hasattr(value, "get_params"):
             return json.loads(_json(value))
         provided, usual = self.registry.find(value), _usual(type(value))
@@ -303,7 +305,7 @@ def _libraries(cue: Cue) -> dict[str, str]:
 
 def _versions(value: Any) -> Any:
     """Return the versions of components in a value, in the shape of their places."""
-    if hasattr(value, "get_params") and not isinstance(value, type):
+    if _is_component(value):
         return [str(getattr(value, "version", "")), _versions(value.get_params(deep=False))]
     if isinstance(value, Mapping):
         found = {str(name): _versions(each) for name, each in value.items()}
@@ -312,12 +314,6 @@ def _versions(value: Any) -> Any:
         found_in = [_versions(each) for each in value]
         return found_in if any(found_in) else None
     return None
-
-
-def _plain_parameters(cue: Cue) -> dict[str, Any]:
-    """Return the parameters of a cue, and of components in it by their places."""
-    deep: dict[str, Any] = cue.get_params()
-    return {name: value for name, value in deep.items() if not hasattr(value, "get_params")}
 
 
 def _same(before: Mapping[str, Any], now: Mapping[str, Any]) -> bool:
@@ -329,4 +325,26 @@ def _digest(data: Any) -> str:
 
 
 def _json(data: Any) -> str:
-    return json.dumps(data, sort_keys=True, default=joblib.hash)
+    return json.dumps(data, sort_keys=True, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    """Return what stands in JSON for what that cannot hold."""
+    return _bare(value) if _is_component(value) else joblib.hash(value)
+
+
+def _bare(value: Any) -> Any:
+    """Return a value with each component in it as its class, parameters and learned state.
+
+    What it keeps for itself under names with ``_`` in front makes no other component of it.
+    """
+    if _is_component(value):
+        name = f"{type(value).__module__}.{type(value).__qualname__}"
+        return [name, _bare(value.get_params(deep=False)), _bare(learned(value))]
+    if isinstance(value, Mapping):
+        return {key: _bare(each) for key, each in value.items()}
+    return [_bare(each) for each in value] if isinstance(value, (list, tuple)) else value
+
+
+def _is_component(value: Any) -> bool:
+    return hasattr(value, "get_params") and not isinstance(value, type)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,25 @@ from placecue import contracts
 from placecue.classifier import WrongKind
 from placecue.errors import DataError, UsageError
 from placecue.estimator import clone
-from placecue.features import FeatureBatch, FeatureKind, kind_of, n_samples, take
+from placecue.features import (
+    Families,
+    FeatureBatch,
+    FeatureKind,
+    FeatureParts,
+    kind_of,
+    n_samples,
+    take,
+)
 from placecue.folds import Rows
 from placecue.grams import current
 from placecue.guard import call
-from placecue.kernel import Gram, Kernel
+from placecue.kernel import Gram, Kernel, fit_kernel
 from placecue.ownership import provenance
 from placecue.scaling import Scaling
 from placecue_classifiers.grid import Setting
+
+#: A scaling that has been fitted; of features in parts one for each dense part, by its name.
+Fitted: TypeAlias = Scaling | dict[str, Scaling]
 
 
 @dataclass(frozen=True)
@@ -33,8 +44,8 @@ class Prepared:
     ----------
     kernel : Kernel
         Fitted.
-    scaling : Scaling or None
-        Of dense features, fitted.
+    scaling : Scaling, dict of str to Scaling, or None
+        Of dense features, or of each dense part, fitted.
     features : batch of n samples
         Scaled.
     shared : object
@@ -45,7 +56,7 @@ class Prepared:
     """
 
     kernel: Kernel
-    scaling: Scaling | None
+    scaling: Fitted | None
     features: FeatureBatch
     shared: Any
     only: Gram | None
@@ -58,7 +69,8 @@ class Prepared:
         scaling: Scaling | None = None,
         rows: Rows | None = None,
         light: bool = False,
-        families: Sequence[str] | None = None,
+        families: Families | None = None,
+        labels: Any = None,
     ) -> Prepared:
         """Fit copies of kernel and scaling.
 
@@ -72,7 +84,9 @@ class Prepared:
         light : bool
             Whether there will be Gram matrices for other light parameters of the kernel.
         families : sequence of str, optional
-            The family of each feature, for a scaling.
+            The family of each feature, for a scaling; of features in parts by part.
+        labels : ndarray, shape (n,), optional
+            Their classes, for a kernel that learns from them.
 
         Raises
         ------
@@ -87,7 +101,8 @@ class Prepared:
             call(kernel, "check", features)
         except UsageError as error:
             raise WrongKind(str(error)) from error
-        call(kernel, "fit", _of_rows(features, rows))
+        of_rows = labels if rows is None or labels is None else labels[rows]
+        fit_kernel(kernel, _of_rows(features, rows), of_rows)
         if light:
             return cls(kernel, fitted, features, current().shared(kernel, features), None)
         return cls(kernel, fitted, features, None, current().gram(kernel, features))
@@ -130,34 +145,52 @@ def remembering(make: Callable[[Setting], Prepared]) -> Callable[[Setting], Prep
 
 
 def fitted_scaling(
-    features: FeatureBatch, scaling: Scaling | None, families: Sequence[str] | None = None
-) -> Scaling | None:
+    features: FeatureBatch, scaling: Scaling | None, families: Families | None = None
+) -> Fitted | None:
     """Return a copy of a scaling fitted on dense features, shape (n, d); None for none.
 
-    ``families`` names the family of each feature, if that is known.
+    Of features in parts a copy for each dense part; the others are left alone. ``families`` names
+    the family of each feature, if that is known.
 
     Raises
     ------
     UsageError
-        If the features are not dense.
+        If there is nothing dense in the features.
     """
     if scaling is None:
         return None
     if not isinstance(scaling, Scaling):
         raise UsageError(f"scaling must be a Scaling, such as QuantileScaling(), got {scaling!r}")
+    if isinstance(features, FeatureParts):
+        dense = {n: p for n, p in features.parts.items() if kind_of(p) is FeatureKind.DENSE}
+        of_part = families if isinstance(families, Mapping) else {}
+        return {n: _fitted_on(part, scaling, of_part.get(n)) for n, part in dense.items()}
     if kind_of(features) is not FeatureKind.DENSE:
         raise WrongKind(
             f"scaling {type(scaling).__name__} takes dense vectors, got {kind_of(features)}: "
             "choose scaling=null for this cue"
         )
+    assert not isinstance(families, Mapping)  # which are of parts
+    return _fitted_on(features, scaling, families)
+
+
+def _fitted_on(dense: FeatureBatch, scaling: Scaling, families: Sequence[str] | None) -> Scaling:
     copy: Scaling = clone(scaling)
-    call(copy, "train", np.asarray(features), families)
+    call(copy, "train", np.asarray(dense, dtype=np.float64), families)
     return copy
 
 
-def transformed(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]:
-    """Return dense features scaled, shape (n, d), checked."""
-    dense = np.asarray(features)
+def transformed(scaling: Fitted, features: FeatureBatch) -> Any:
+    """Return features scaled, checked: dense ones, shape (n, d), or the dense ones of parts."""
+    if isinstance(scaling, Scaling):
+        return _scaled(scaling, features)
+    assert isinstance(features, FeatureParts)
+    scaled = {name: _scaled(each, features.parts[name]) for name, each in scaling.items()}
+    return FeatureParts({**features.parts, **scaled})
+
+
+def _scaled(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]:
+    dense = np.asarray(features, dtype=np.float64)
 
     def wrong(made: object) -> str | None:
         return contracts.scaled(made, dense.shape) or contracts.finite(made)
@@ -168,12 +201,12 @@ def transformed(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]
 
 def learns(kernel: Kernel, features: FeatureBatch) -> bool:
     """Tell whether a kernel learns anything from samples such as these."""
+    if kernel.wants_labels:
+        return True
     if type(kernel).fit is Kernel.fit:
         return False
     call(kernel, "check", features)
-    copy = clone(kernel)
-    call(copy, "fit", features)
-    return _has_learned(copy)
+    return _has_learned(fit_kernel(clone(kernel), features))
 
 
 def _of_rows(features: FeatureBatch, rows: Rows | None) -> FeatureBatch:
@@ -184,7 +217,8 @@ def _has_learned(kernel: Kernel) -> bool:
     """Tell whether fitting left anything in a kernel, or in those that it joins."""
     own = {name: value for name, value in vars(kernel).items() if name.endswith("_")}
     joined = own.pop("kernels_", [])
-    return bool(own) or any(map(_has_learned, joined))
+    inside = joined.values() if isinstance(joined, Mapping) else joined
+    return bool(own) or any(map(_has_learned, inside))
 
 
 def _finite(gram: Gram, kernel: Kernel) -> Gram:

@@ -171,7 +171,7 @@ class ScikitLearn(Classifier):
             raise UnfitSamples(f"{self.estimator} refused the samples: {reason}") from error
 
     def _accepted(self, features: FeatureBatch) -> FeatureBatch:
-        if kind_of(features) is FeatureKind.DESCRIPTORS:
+        if kind_of(features) in (FeatureKind.DESCRIPTORS, FeatureKind.PARTS):
             raise wrong_kind(self, "dense vectors or sparse histograms", features)
         return features
 

@@ -24,7 +24,7 @@ from placecue.training_set import TrainingSet
 from placecue_classifiers import calibration
 from placecue_classifiers.convergence import told_once
 from placecue_classifiers.grid import OF_MACHINES, Grid, Setting
-from placecue_classifiers.machines import Machines, Weights
+from placecue_classifiers.machines import Codes, Machines, Weights
 from placecue_classifiers.multiclass import LAYOUTS, Multiclass
 from placecue_classifiers.prepared import Prepared, learns, remembering, transformed
 from placecue_classifiers.search import Folds, best_of, search
@@ -47,7 +47,8 @@ class SVM(Classifier):
     class_weight : {"balanced"}, mapping of class to weight, or None
         Weight classes by inverse frequency, as given (1 where it is not), or not.
     scaling : Scaling, optional
-        Scaling of dense features, learned on the training samples.
+        Scaling of dense features, learned on the training samples; of features in parts each dense
+        part is scaled by itself, and the others are left alone.
     search : mapping, optional
         Values to try by cross-validation on balanced accuracy, every combination of them:
         ``{"C": [...], "gamma": [...]}``, and likewise ``multiclass``, ``class_weight``,
@@ -77,8 +78,8 @@ class SVM(Classifier):
         The cost in use.
     kernel_ : Kernel
         The kernel in use.
-    scaling_ : Scaling or None
-        The scaling in use.
+    scaling_ : Scaling, dict of str to Scaling, or None
+        The scaling in use; that of each dense part, by its name.
     support_ : ndarray of int64, shape (k,)
         Which rows of the training batch are support vectors of any machine.
     support_features_ : batch of k samples
@@ -203,8 +204,8 @@ class SVM(Classifier):
         if svm._learns(training, [svm.scaling]):
             yield from super().out_of_fold(training, splits)
             return
-        gram = svm._preparing(svm._grid(), training)({}).gram()
         codes, extension = svm.codes(training.repeated(training.labels)), svm._extension(svm)
+        gram = svm._preparing(svm._grid(), training)({}).gram()
         for rows, held_out in splits:
             flat = training.copies(rows), training.recorded(held_out)
             values = extension.held_out(gram, codes, *flat)
@@ -247,11 +248,12 @@ class SVM(Classifier):
     def _preparing(self, grid: Grid, training: TrainingSet) -> Callable[..., Prepared]:
         """Return what prepares n samples for the parameters of a grid."""
         light, features, families = bool(grid.lights()[0]), training.batch(), training.families
+        labels = training.repeated(training.labels)
 
         def prepare(setting: Setting, rows: Rows | None = None) -> Prepared:
             svm = self.with_setting(setting)
             assert svm.kernel is not None
-            return Prepared.of(features, svm.kernel, svm.scaling, rows, light, families)
+            return Prepared.of(features, svm.kernel, svm.scaling, rows, light, families, labels)
 
         return prepare
 
@@ -283,7 +285,7 @@ class SVM(Classifier):
     def _calibrators(
         self,
         extension: Multiclass,
-        codes: NDArray[np.int64],
+        codes: Codes,
         held_out: Iterable[tuple[Gram, Rows, Rows]],
     ) -> list[NDArray[np.float64]]:
         """Learn probabilities from the outputs for held-out rows (matrix, training, held out)."""

@@ -65,4 +65,11 @@ def placecue_components() -> list[Component]:
             summary="Histogram of visual words (Csurka et al. 2004)",
             requires=("image",),
         ),
+        Component(
+            kind="cue",
+            name="joint",
+            factory="placecue_cues.joint:Joint",
+            summary="Features of several cues for one classifier (low-level integration)",
+            requires=("what its parts require",),
+        ),
     ]

@@ -1,4 +1,4 @@
-"""Sparse batches over columns that may run into billions: only the occupied ones are kept."""
+"""Batches over columns: sparse ones may run into billions, and only the occupied ones are kept."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from scipy import sparse
 
 from placecue.errors import UsageError
 from placecue.features import FeatureBatch
+from placecue.kernel import Gram
 
 Columns = NDArray[np.integer]
 
@@ -28,6 +29,20 @@ def check_same_width(a: FeatureBatch, b: FeatureBatch) -> None:
             f"a kernel between samples of {a.shape[1]} and of {b.shape[1]} columns: both batches "
             "must come from the same cue with the same parameters"
         )
+
+
+def products(a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
+    """Return the dot products of n and m dense or sparse vectors, shape (n, m).
+
+    Without ``b`` those of ``a`` with itself.
+    """
+    b = a if b is None else b
+    if not sparse.issparse(a) and not sparse.issparse(b):
+        return np.asarray(a, dtype=np.float64) @ np.asarray(b, dtype=np.float64).T
+    # The transpose of a sparse batch would hold a pointer for each of perhaps 28**6 columns.
+    right, columns = compress(as_csr(b))
+    left = right if a is b else restrict(as_csr(a), columns)
+    return np.asarray((left @ right.T).toarray())
 
 
 def compress(rows: sparse.csr_array) -> tuple[sparse.csr_array, Columns]:

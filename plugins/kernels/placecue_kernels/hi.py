@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
@@ -14,13 +15,14 @@ from placecue.kernel import Gram, Kernel
 
 from .columns import as_csr, check_same_width
 from .inverted_index import index_of
+from .pieces import pieces, sum_over_pieces
 from .shared import Term, shared_between, shared_within
 
 Matrix: TypeAlias = NDArray[np.float64]
 
 
 class HistogramIntersection(Kernel):
-    """K(x, y) = sum_k min(x_k, y_k) between sparse or dense vectors.
+    """K(x, y) = sum_k min(x_k, y_k) between vectors: dense, sparse, or in parts that are.
 
     Only bins that two samples share are looked at, so values must not be negative. Dense vectors
     that may be (distances from hyperplanes, say) are shifted first: :meth:`fit` learns the
@@ -35,9 +37,9 @@ class HistogramIntersection(Kernel):
 
     Attributes
     ----------
-    minimum_ : ndarray of float64, shape (d,)
-        What is subtracted from each dimension, 0 or negative; only where dense vectors were
-        fitted.
+    minimum_ : ndarray of float64, shape (d,), or dict of str to such
+        What is subtracted from each dimension, 0 or negative; of features in parts, by the names
+        of the dense ones. Only where dense vectors were fitted.
 
     References
     ----------
@@ -45,7 +47,9 @@ class HistogramIntersection(Kernel):
     The shift: our choice.
     """
 
-    accepts: ClassVar[frozenset[FeatureKind]] = frozenset({FeatureKind.SPARSE, FeatureKind.DENSE})
+    accepts: ClassVar[frozenset[FeatureKind]] = frozenset(
+        {FeatureKind.SPARSE, FeatureKind.DENSE, FeatureKind.PARTS}
+    )
 
     def __init__(self, shift: bool = True) -> None:
         self.shift = shift
@@ -53,9 +57,13 @@ class HistogramIntersection(Kernel):
     def fit(self, features: FeatureBatch) -> Self:
         """Learn the minimum of each dimension of dense training features, shape (n, d)."""
         self.check(features)
-        if self.shift and kind_of(features) is FeatureKind.DENSE:
-            dense = np.asarray(features, dtype=np.float64)
-            self.minimum_ = np.minimum(dense.min(axis=0), 0)
+        found = {
+            name: np.minimum(np.asarray(piece, dtype=np.float64).min(axis=0), 0)
+            for piece, _, name in pieces(features)
+            if kind_of(piece) is FeatureKind.DENSE
+        }
+        if self.shift and found:
+            self.minimum_ = found.get("", found)
         return self
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
@@ -69,36 +77,37 @@ class HistogramIntersection(Kernel):
             If a value is NaN, or negative and not shifted.
         """
         self.check(a, b)
-        if self._shifts(a) and (b is None or self._shifts(b)):
-            return self._intersections(a, a if b is None else b)
+        return sum_over_pieces(self._intersections, a, b)
+
+    def _intersections(self, a: FeatureBatch, b: FeatureBatch | None, name: str) -> Gram:
+        minimum = self._minimum(a, name)
+        if minimum is not None:
+            x = _shifted(a, minimum)
+            return np.asarray(_smaller_sums(x, x if b is None else _shifted(b, minimum)))
         if b is None:
             index = index_of(a)
             _check(index.smallest)
             gram = shared_within(index, Term.SMALLER)
             np.fill_diagonal(gram, index.totals)
             return gram
-        check_same_width(a, b)
         index, rows = index_of(b), as_csr(a)
         _check(index.smallest)
         _check(float(rows.data.min(initial=np.inf)))
         return shared_between(rows, index, Term.SMALLER)
 
-    def _shifts(self, batch: FeatureBatch) -> bool:
-        """Tell whether a batch is to be shifted, after which hardly a value is 0."""
-        minimum = getattr(self, "minimum_", None)
-        return minimum is not None and kind_of(batch) is FeatureKind.DENSE and bool(minimum.any())
+    def _minimum(self, batch: FeatureBatch, name: str) -> Matrix | None:
+        """Return what is to be subtracted, after which hardly a value is 0; None for nothing."""
+        known = getattr(self, "minimum_", None)
+        minimum: Matrix | None = known.get(name) if isinstance(known, Mapping) else known
+        shifts = minimum is not None and kind_of(batch) is FeatureKind.DENSE and minimum.any()
+        return minimum if shifts else None
 
-    def _intersections(self, a: FeatureBatch, b: FeatureBatch) -> Gram:
-        """Return the intersections of shifted batches, bin by bin."""
-        check_same_width(a, b)
-        x = self._shifted(a)
-        return np.asarray(_smaller_sums(x, x if b is a else self._shifted(b)))
 
-    def _shifted(self, batch: FeatureBatch) -> Matrix:
-        check_same_width(batch, self.minimum_[None])
-        shifted = np.maximum(np.asarray(batch, dtype=np.float64) - self.minimum_, 0)
-        _check(float(shifted.min(initial=np.inf)))
-        return np.ascontiguousarray(shifted)
+def _shifted(batch: FeatureBatch, minimum: Matrix) -> Matrix:
+    check_same_width(batch, minimum[None])
+    shifted = np.maximum(np.asarray(batch, dtype=np.float64) - minimum, 0)
+    _check(float(shifted.min(initial=np.inf)))
+    return np.ascontiguousarray(shifted)
 
 
 # reassoc: a sum in any order, so that several bins are added up at a time.

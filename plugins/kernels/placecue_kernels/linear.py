@@ -5,19 +5,21 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from scipy import sparse
 
 from placecue.errors import DataError
 from placecue.features import FeatureBatch, FeatureKind
 from placecue.kernel import Gram, Kernel
 
-from .columns import as_csr, check_same_width, compress, restrict
+from .columns import products
+from .pieces import sum_over_pieces
 
 
 class Linear(Kernel):
-    """K(x, y) = sum_k x_k y_k between dense or sparse vectors."""
+    """K(x, y) = sum_k x_k y_k between vectors: dense, sparse, or in parts that are."""
 
-    accepts: ClassVar[frozenset[FeatureKind]] = frozenset({FeatureKind.SPARSE, FeatureKind.DENSE})
+    accepts: ClassVar[frozenset[FeatureKind]] = frozenset(
+        {FeatureKind.SPARSE, FeatureKind.DENSE, FeatureKind.PARTS}
+    )
 
     def gram(self, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the dot products, shape (n, m).
@@ -30,18 +32,7 @@ class Linear(Kernel):
             If a feature is NaN.
         """
         self.check(a, b)
-        b = a if b is None else b
-        check_same_width(a, b)
-        products = self._products(a, b)
-        if np.isnan(products).any():
+        found = sum_over_pieces(lambda one, other, _: products(one, other), a, b)
+        if np.isnan(found).any():
             raise DataError("the linear kernel multiplies numbers, got NaN")
-        return products
-
-    @staticmethod
-    def _products(a: FeatureBatch, b: FeatureBatch) -> Gram:
-        if not sparse.issparse(a) and not sparse.issparse(b):
-            return np.asarray(a, dtype=np.float64) @ np.asarray(b, dtype=np.float64).T
-        # The transpose of a sparse batch would hold a pointer for each of perhaps 28**6 columns.
-        right, columns = compress(as_csr(b))
-        left = right if a is b else restrict(as_csr(a), columns)
-        return np.asarray((left @ right.T).toarray())
+        return found

@@ -77,6 +77,10 @@ class Integrator(Estimator, ABC):
         one layout whichever it is.
         """
 
+    def summary(self) -> str:
+        """Return what it has learned in one line, for who trained it; empty by default."""
+        return ""
+
     def unfitted(self) -> Self:
         """Return a copy that has learned nothing, with the same parameters."""
         copy: Self = clone(self)

@@ -11,6 +11,7 @@ from placecue.commands.tables import table, written
 from placecue.evaluation.search_figure import SCORE, as_text
 from placecue.evaluation.tally import INTEGRATED, Tally
 from placecue.evaluation.training_report import searches
+from placecue.guard import call
 from placecue.pipeline import Pipeline
 from placecue.semantic_map import UNKNOWN
 
@@ -45,6 +46,9 @@ def scores(tally: Tally) -> None:
 def training(pipeline: Pipeline, report: Sequence[tuple[str, Path]]) -> None:
     """Print what training found, and where it wrote the rest."""
     chosen_parameters(pipeline)
+    learned: str = call(pipeline.integrator, "summary")
+    if learned:
+        print(f"integrator: {learned}")
     found = pipeline.rejection_
     if found is not None:
         print(

@@ -106,6 +106,21 @@ class Confidence(Integrator):
         if self.accuracy is not None and self.budget is not None:
             raise UsageError("confidence takes an accuracy or a budget, not both: leave one out")
 
+    def check_cues(self, cues: Sequence[str]) -> None:
+        """Raise UsageError if the order is not of the cues."""
+        if self.integrator is not None:
+            self.integrator.check_cues(cues)
+        if self.order is None:
+            return
+        for cue in self.order:
+            if cue not in cues:
+                raise UsageError(f"confidence order names '{cue}'; {choices(str(cue), cues)}")
+        if sorted(self.order) != sorted(cues):
+            raise UsageError(
+                f"confidence order must name each of the cues once ({', '.join(cues)}), got "
+                f"{', '.join(self.order)}"
+            )
+
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
         """Learn from scores that the single-cue models have not been trained on.
 
@@ -146,6 +161,20 @@ class Confidence(Integrator):
                 self.trade_off_ = _trade_off(stages, cues, found)
         return self
 
+    def summary(self) -> str:
+        """Return for which share of the samples each cue is used, and what that costs."""
+        curve = self.trade_off_
+        at = curve["chosen"].index(True)
+        told = ", ".join(
+            f"{cue} ({self.costs_[cue]:.3g} ms) {100 * curve[f'used {cue}'][at]:.0f} %"
+            for cue in self.cues_
+        )
+        return (
+            f"cues used for {told}; {curve['cost'][at]:.3g} ms a sample, where all take "
+            f"{sum(self.costs_.values()):.3g}; {100 * curve['balanced_accuracy'][at]:.1f} % on "
+            "held-out samples"
+        )
+
     # ------------------------------------------------------------------ training
 
     def _order(self, held_out: HeldOut) -> None:
@@ -153,18 +182,9 @@ class Confidence(Integrator):
         if costs is None and self.budget is not None:
             raise UsageError("confidence needs measured costs for a budget: give HeldOut its costs")
         self.costs_ = {cue: 1.0 if costs is None else float(costs[cue]) for cue in cues}
-        if self.order is None:
-            self.cues_ = sorted(cues, key=lambda cue: self.costs_[cue])
-            return
-        for cue in self.order:
-            if cue not in cues:
-                raise UsageError(f"confidence order names '{cue}'; {choices(str(cue), cues)}")
-        if sorted(self.order) != sorted(cues):
-            raise UsageError(
-                f"confidence order must name each of the cues once ({', '.join(cues)}), got "
-                f"{', '.join(self.order)}"
-            )
-        self.cues_ = list(self.order)
+        self.check_cues(cues)
+        cheapest = sorted(cues, key=lambda cue: self.costs_[cue])
+        self.cues_ = cheapest if self.order is None else list(self.order)
 
     def _out_of_fold(
         self, held_out: HeldOut, fitted: Integrator, sets: Sequence[Cues]

@@ -110,6 +110,12 @@ class Dynamic(Integrator):
         weights = fitted_weights(terms, codes, prior, np.zeros_like(prior), self.penalty)
         return np.repeat(weights, width // len(weights)).reshape(-1, 2)
 
+    def summary(self) -> str:
+        """Return the weights of each cue where it is unsure and where it is sure."""
+        pairs = zip(self.cues_, self.weights_, strict=True)
+        told = ", ".join(f"{cue} {unsure:.2f} to {sure:.2f}" for cue, (unsure, sure) in pairs)
+        return f"weights where unsure to sure: {told}"
+
     def check_learned(self) -> None:
         """Raise ValueError if what a model folder says does not fit together."""
         t, m = np.shape(self.biases_)

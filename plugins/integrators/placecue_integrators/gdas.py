@@ -133,6 +133,13 @@ class GDAS(Integrator):
         """
         return Scores(weighted_sum(self.weights_, self._outputs(evidence)), self.layout_)
 
+    def summary(self) -> str:
+        """Return the weights."""
+        pairs = zip(self.cues_, self.weights_, strict=True)
+        told = ", ".join(f"{cue} {weight:.2f}" for cue, weight in pairs)
+        rate = self.balanced_accuracy_
+        return f"weights {told}" + ("" if rate is None else f", {100 * rate:.1f} % on held-out")
+
     def check_learned(self) -> None:
         """Raise ValueError where weights that were loaded are none."""
         weights = self.weights_

@@ -13,7 +13,7 @@ from sklearn.base import clone
 from placecue import estimators
 from placecue.classifier import Classifier, UnfitSamples, wrong_kind
 from placecue.errors import UsageError
-from placecue.features import FeatureBatch, FeatureKind, kind_of
+from placecue.features import Families, FeatureBatch, FeatureKind, kind_of
 from placecue.scaling import Scaling
 from placecue.scores import OneAgainstAll, Probabilities, Scores
 from placecue.training_set import TrainingSet
@@ -86,15 +86,18 @@ class ScikitLearn(Classifier):
             If there is one class only, a feature is NaN or infinite, or the estimator refuses the
             samples.
         """
-        return self.train(TrainingSet(features, labels, stamps))
+        return self._learn(features, labels, None)
 
     def train(self, training: TrainingSet) -> Self:
         """Train on samples and their augmented copies; see :meth:`Classifier.train`."""
         labels = training.repeated(training.labels)
+        return self._learn(training.batch(), labels, training.families)
+
+    def _learn(self, features: FeatureBatch, labels: Any, families: Families | None) -> Self:
         self._estimator = self._built()
-        features = self.training_samples(self._accepted(training.batch()), labels)
+        features = self.training_samples(self._accepted(features), labels)
         self.codes_ = self.learn_classes(labels)
-        self.scaling_ = fitted_scaling(features, self.scaling, training.families)
+        self.scaling_ = fitted_scaling(features, self.scaling, families)
         self.columns_ = None
         if isinstance(features, sparse.csr_array):
             self.columns_ = np.unique(features.indices)

@@ -24,6 +24,7 @@ from placecue.components.build import build
 from placecue.components.manager import load_plugins
 from placecue.folds import cut
 from placecue.learning.grouping import groups_of
+from placecue.source import guarded
 
 #: The classes of at least 20 frames, and those of them that a prototype had scored.
 ROOMS = {
@@ -84,7 +85,8 @@ def frames(data: Path, rooms: Sequence[str], **parameters: Any) -> Frames:
     config = config_of(["source=nyuv2", "cue=laser", "integrator=none"])["source"]
     own = {"path": str(data / "nyuv2"), "classes": list(rooms)}
     registry = load_plugins(built_ins_only=True).registry
-    return Frames(list(build({**config, **own, **parameters}, "source", registry)))
+    # Behind the guard frames know their origin, by which features are kept between folds.
+    return Frames(list(guarded(build({**config, **own, **parameters}, "source", registry))))
 
 
 def outer_folds(

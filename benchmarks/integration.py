@@ -32,13 +32,13 @@ from placecue import (
     OneAgainstOne,
     PlacecueError,
     Probabilities,
+    Schemes,
     Scores,
     StoredEvidence,
 )
 from placecue.components.build import build, plain
 from placecue.components.manager import load_plugins
 from placecue.components.options import option_files, register_with_hydra
-from placecue.integration import integrated
 from placecue_integrators.simplex import simplex
 
 SAMPLES, CUES, PLACES = 950, 4, ("corridor", "kitchen", "lab", "office", "printer")
@@ -61,7 +61,9 @@ def held_out(layout: Layout) -> HeldOut:
         elif isinstance(layout, Probabilities):
             own = np.exp(own) / np.exp(own).sum(axis=1, keepdims=True)
         scores[f"cue {cue}"] = Scores(own, layout)
-    return HeldOut(StoredEvidence(scores), np.array(PLACES)[codes], STAMPS)
+    costs = {cue: 10.0**number for number, cue in enumerate(scores)}
+    labels = np.array(PLACES)[codes]
+    return HeldOut(StoredEvidence(scores), labels, STAMPS, costs=costs)
 
 
 def options() -> list[str]:
@@ -147,8 +149,9 @@ def one_at_a_time(option: str, every: list[HeldOut]) -> None:
     else:
         print(f"integrating one sample by {option}: not measured: {reason}")
         return
+    schemes = Schemes({samples.evidence.cues: fitted})
     asked = [samples.evidence.take([row]) for row in range(ASKED)]
-    times = [1e3 * seconds(lambda e=each: integrated(fitted, e)[0].decide(), 2) for each in asked]
+    times = [1e3 * seconds(lambda e=each: schemes.integrate(e)[0].decide(), 2) for each in asked]
     print(
         f"integrating one sample by {option} ({samples.evidence.layout('cue 0').name}): "
         f"median {np.median(times):.3f} ms, 95 % {np.quantile(times, 0.95):.3f} ms "

@@ -101,6 +101,26 @@ class Schemes:
             return False
         return having.evidence.scores(cues[0])[:1].told_in(self.layout) is not None
 
+    def join(self, evidence: Evidence) -> Scores:
+        """Return the integrated scores of n observations that have all cues of the evidence.
+
+        By the scheme of these cues, or else by that of the largest set among them.
+        """
+        cues = evidence.cues
+        if self.full.gaps:
+            joined: Scores = call(self.full, "integrate", evidence)
+            return joined
+        if cues not in self.by_cues:
+            cues = self.of(cues)
+            evidence = evidence.only(cues)
+        if cues in self.by_cues:
+            joined = call(self.by_cues[cues], "integrate", evidence)
+            return joined
+        assert self.layout is not None  # or there was no such set
+        told = evidence.scores(cues[0]).told_in(self.layout)
+        assert told is not None  # or an integrator was fitted for it
+        return told
+
     def integrate(
         self,
         evidence: Evidence,

@@ -252,9 +252,8 @@ class Confidence(Integrator):
         todo = list(self._parted(evidence))
         while todo:
             rows, asked, rest = todo.pop()
-            part = evidence.take(rows)
-            part.scores(rest[0])
-            has = part.available(rest[0])
+            part = _part(evidence, rows)
+            has = part.scores(rest[0]).available()
             if not has.all():  # unusable after all
                 todo += self._without(rows[~has], asked, rest[1:], evidence, schemes, found)
                 rows = rows[has]
@@ -262,7 +261,8 @@ class Confidence(Integrator):
                 asked, rest = (*asked, rest[0]), rest[1:]
                 scores = _joined(schemes, evidence, rows, asked)
                 sure = self._sure(scores, asked, rest)
-                found.append((rows[sure], scores[sure]))
+                if sure.any():
+                    found.append((rows[sure], scores[sure]))
                 if not sure.all():
                     todo.append((rows[~sure], asked, rest))
         return _placed(found, evidence)
@@ -270,7 +270,8 @@ class Confidence(Integrator):
     def _parted(self, evidence: Evidence) -> Iterator[tuple[Rows, Cues, Cues]]:
         """Yield observations that have the same cues, with these, in order."""
         known = np.stack([evidence.available(cue) for cue in self.cues_], axis=1)
-        for pattern in np.unique(known, axis=0):
+        alike = bool((known == known[:1]).all())  # as nearly always
+        for pattern in known[:1] if alike else np.unique(known, axis=0):
             there = tuple(cue for cue, has in zip(self.cues_, pattern, strict=True) if has)
             if there:
                 yield np.flatnonzero((known == pattern).all(axis=1)), (), there
@@ -298,7 +299,9 @@ class Confidence(Integrator):
             return np.ones(len(there), dtype=bool)
         threshold = self._threshold((*asked, *rest), len(asked))
         sure = np.zeros(len(there), dtype=bool)
-        sure[there] = scores[there].decide().confidence >= threshold
+        if there.any():
+            some = scores if there.all() else scores[there]
+            sure[there] = some.decide().confidence >= threshold
         return sure
 
     def _threshold(self, cues: Cues, asked: int) -> float:
@@ -310,7 +313,11 @@ class Confidence(Integrator):
 
 
 def _joined(schemes: Schemes, evidence: Evidence, rows: Rows, cues: Cues) -> Scores:
-    return schemes.integrate(evidence.take(rows).only(cues))[0]
+    return schemes.join(_part(evidence, rows).only(cues))
+
+
+def _part(evidence: Evidence, rows: Rows) -> Evidence:
+    return evidence if len(rows) == len(evidence) else evidence.take(rows)
 
 
 def _placed(found: Sequence[tuple[Rows, Scores]], evidence: Evidence) -> Scores:

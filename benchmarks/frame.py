@@ -22,7 +22,7 @@ from placecue import Cue, Observation, Pipeline
 from placecue.classifier import Classifier
 from placecue.features import n_samples
 from placecue.learning.costs import measured
-from placecue.scaling import QuantileScaling
+from placecue.scaling import FamilyScaling
 from placecue_classifiers.svm import SVM
 from placecue_cues.crfh import CRFH
 from placecue_cues.laser import LaserGeometry
@@ -43,7 +43,7 @@ def cues() -> dict[str, tuple[Cue, Classifier]]:
     return {
         "crfh": (CRFH(), SVM(kernel=Chi2())),
         "sift": (SIFT(), SVM(kernel=Match())),
-        "laser": (LaserGeometry(), SVM(kernel=RBF(), scaling=QuantileScaling())),
+        "laser": (LaserGeometry(), SVM(kernel=RBF(gamma=0.1), scaling=FamilyScaling())),
     }
 
 

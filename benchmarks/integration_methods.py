@@ -132,15 +132,14 @@ def _joined(said: dict[str, Said]) -> tuple[HeldOut, NDArray[Any]]:
     at = {key: row for row, key in enumerate(every)}
     n = len(every)
     labels, stamps, scenes = np.empty(n, "U40"), np.empty(n, np.int64), np.empty(n, "U80")
-    groups: NDArray[np.int64] | None = np.zeros(n, np.int64)
+    first = next(iter(said.values())).groups
+    groups = None if first is None else np.zeros((n, *first.shape[1:]), np.int64)
     scores = {}
     for cue, each in said.items():
         rows = np.array([at[key] for key in keys[cue]])
         scores[cue] = each.scores.spread(rows, n)
         labels[rows], stamps[rows], scenes[rows] = each.labels, each.stamps, each.scenes
-        if each.groups is None or groups is None:
-            groups = None
-        else:
+        if groups is not None:
             groups[rows] = each.groups
     return HeldOut(StoredEvidence(scores), labels, stamps, groups), scenes
 

@@ -29,6 +29,7 @@ if __name__ == "__main__":
     parser.add_argument("--tests", nargs="*", default=list(TESTS), choices=list(TESTS))
     parser.add_argument("--cues", nargs="*", default=list(CUES), choices=list(CUES))
     parser.add_argument("--methods", nargs="*", default=list(METHODS), choices=list(METHODS))
+    parser.add_argument("--scores", action="store_true", help="train single-cue models only")
     parser.add_argument("--report", action="store_true", help="only write the page")
     given = parser.parse_args()
     if not given.report:
@@ -36,7 +37,7 @@ if __name__ == "__main__":
             for part in TESTS[test].parts():
                 for cue in given.cues:
                     evidence(given.folder, test, part, cue)
-        for test in given.tests:
+        for test in given.tests if not given.scores else ():
             for cues in SETS:
                 for method in given.methods:
                     decide(given.folder, test, cues, method)

@@ -31,8 +31,8 @@ class Aging:
         Shifts tried before a piece stays.
     """
 
-    shifted: float = 0.3
-    shift: tuple[float, float] = (0.2, 0.35)
+    shifted: float = 0.5
+    shift: tuple[float, float] = (0.25, 0.6)
     exchanged: float = 0.6
     posters: float = 0.9
     tries: int = 40

@@ -34,6 +34,8 @@ class Camera:
         Time that the shutter is open at an exposure of 1, s; 0 blurs nothing.
     longest : float
         Longest time that it is open, s.
+    flare : float
+        Part of the light that the lens scatters all over the image.
     """
 
     width: int
@@ -44,6 +46,7 @@ class Camera:
     exposure: float = 0.2
     shutter: float = 0.0
     longest: float = 0.04
+    flare: float = 0.06
 
     def eye(self, pose: Pose2D) -> Eye:
         """Return the camera as the kernels see it."""
@@ -90,6 +93,7 @@ class Camera:
         if gain is None:
             gain = self.meter(geometry, skin, ground, pose)
         light = self._light(geometry, skin, ground, pose)
+        light += np.float32(self.flare * light.mean())
         streak = abs(turning) * min(self.shutter * gain, self.longest) * self.eye(pose).focal
         return np.asarray(develop(blurred(light, streak), gain, self.noise, np.uint64(key)))
 

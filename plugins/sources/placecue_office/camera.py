@@ -14,6 +14,10 @@ from placecue_office.shade import develop, shade
 from placecue_office.trace import trace
 
 
+#: What is brighter counts as this for the exposure: windows and lamps leave a room darker.
+BRIGHTEST = 3.0
+
+
 @dataclass(frozen=True, slots=True)
 class Camera:
     """An upright pinhole camera that looks ahead, with automatic exposure and sensor noise.
@@ -36,6 +40,8 @@ class Camera:
         Longest time that it is open, s.
     flare : float
         Part of the light that the lens scatters all over the image.
+    strongest : float
+        Largest exposure: in less light the image gets darker.
     """
 
     width: int
@@ -46,7 +52,8 @@ class Camera:
     exposure: float = 0.2
     shutter: float = 0.0
     longest: float = 0.04
-    flare: float = 0.06
+    flare: float = 0.08
+    strongest: float = 1.75
 
     def eye(self, pose: Pose2D) -> Eye:
         """Return the camera as the kernels see it."""
@@ -58,7 +65,8 @@ class Camera:
         """Return the exposure that suits a view, from a small image of it."""
         small = replace(self, width=max(self.width // 10, 8), height=max(self.height // 10, 6))
         light = small._light(geometry, skin, ground, pose)
-        return self.exposure / max(float(np.minimum(light, 1.0).mean()), 0.01)
+        mean = float(np.minimum(light, BRIGHTEST).mean())
+        return min(self.exposure / max(mean, 0.01), self.strongest)
 
     def shoot(
         self,

@@ -48,21 +48,21 @@ class Illumination:
 
 ILLUMINATIONS: dict[str, Illumination] = {
     "cloudy": Illumination(
-        (0.40, 0.35, 0.27), (0.50, 0.62, 0.80), (1.4, 1.55, 1.75), lit=0.5, varies=0.2
+        (0.40, 0.35, 0.27), (0.50, 0.62, 0.80), (1.4, 1.55, 1.75), lit=0.9, varies=0.2
     ),
-    "night": Illumination((0.45, 0.36, 0.23), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
+    "night": Illumination((0.35, 0.275, 0.17), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
     "sunny": Illumination(
         (0.40, 0.35, 0.27),
         (1.5, 1.45, 1.35),
-        (2.3, 2.6, 3.1),
+        (2.8, 3.2, 3.8),
         sun=(9.0, 8.0, 6.0),
-        lit=0.15,
+        lit=0.1,
         varies=0.25,
     ),
 }
 
 #: A room whose daylight is below this part of the brightest room's has its lamps on, always.
-DARK = 0.15
+DARK = 0.35
 
 #: How far from south the sun may stand, and how high, degrees. South is down in the plan.
 SUN_BEARING, SUN_ELEVATION = 80.0, (12.0, 42.0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from placecue_office.noise import Shade, fractal_noise, value_noise
-from placecue_office.walls import TALL, WIDE, paint
+from placecue_office.walls import TALL, WIDE, brick, concrete, half_tiled, paint, woodchip
 
 Draw = Callable[[np.random.Generator, Shade, int], Shade]
 
@@ -138,7 +138,10 @@ def ceiling(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
 
 
 SURFACES: dict[str, Surface] = {
-    "paint": Surface(paint, WIDE, TALL, finer=2),
+    **{
+        draw.__name__: Surface(draw, WIDE, TALL, finer=2)
+        for draw in (paint, woodchip, brick, half_tiled, concrete)
+    },
     "plain": Surface(plain, 1.5),
     "linoleum": Surface(linoleum, 1.6),
     "carpet": Surface(carpet, 1.3),

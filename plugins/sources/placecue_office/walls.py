@@ -1,14 +1,16 @@
-"""Painted walls, a whole storey tall: wallpaper, cable ducts, pipes, sockets, notes, scuffs.
+"""Walls, a whole storey tall: paper, brick or tiles, and cable ducts, sockets, notes, scuffs.
 
-A robot often looks at a wall and little else. What is on it differs from room to room: it is drawn
-from the world and the room's colour.
+A robot often looks at a wall and little else. What is on it differs from room to room: its surface
+is the plan's, the rest is drawn from the world and the room's colour.
 """
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
-from placecue_office.noise import Shade, fractal_noise, jitter
+from placecue_office.noise import Shade, fractal_noise, jitter, value_noise
 
 #: Size of one repeat, m; below the ceiling it goes on.
 WIDE, TALL = 5.4, 2.7
@@ -43,8 +45,55 @@ class _Wall:
 
 
 def paint(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
-    """Draw a painted wall with what hangs, runs and is left on it."""
-    wall = _Wall(_papered(rng, colour, n))
+    """Draw a papered and painted wall."""
+    return _used(rng, _papered(rng, n)[..., None] * colour)
+
+
+def woodchip(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
+    """Draw a wall with woodchip paper, whose chips stand out."""
+    chips = np.maximum(value_noise(rng, n, n, (n // 3, n // 3)) - 0.6, 0)
+    relief = chips - np.roll(chips, 2, axis=0)
+    return _used(rng, (_papered(rng, n) + 1.1 * relief)[..., None] * colour)
+
+
+def brick(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
+    """Draw a painted wall of bricks, 0.24 by 0.075 m."""
+    rows, columns = np.mgrid[0:n, 0:n] * np.array([TALL / 0.075, WIDE / 0.24])[:, None, None] / n
+    columns = (columns + 0.5 * (np.floor(rows) % 2)) % (WIDE / 0.24)
+    shades = 1 + 0.05 * rng.standard_normal((64, 64))
+    brightness = shades[rows.astype(int) % 64, columns.astype(int) % 64]
+    brightness *= np.where((rows % 1 > 0.87) | (columns % 1 > 0.95), 0.72, 1.0)
+    brightness *= np.where((rows % 1 < 0.1) & (columns % 1 < 0.95), 1.1, 1.0)
+    return _used(rng, (brightness * _papered(rng, n))[..., None] * colour)
+
+
+def half_tiled(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
+    """Draw a wall with tiles of 0.15 m up to 1.5 m, painted above."""
+    image = _papered(rng, n)[..., None] * colour
+    rows, columns = np.mgrid[0:n, 0:n] * np.array([TALL, WIDE])[:, None, None] / (0.15 * n)
+    shades = 1 + 0.04 * rng.standard_normal((36, 36))
+    glazed = shades[rows.astype(int), columns.astype(int)]
+    glazed = glazed * np.where((rows % 1 > 0.93) | (columns % 1 > 0.95), 0.7, 1.0)
+    tiled = np.arange(n) > n * (1 - 1.5 / TALL)
+    image[tiled] = (glazed[..., None] * jitter(rng, np.array([215.0, 216, 210]), 0.1))[tiled]
+    return _used(rng, image)
+
+
+def concrete(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
+    """Draw painted concrete that shows the boards it was cast between, and the holes of ties."""
+    boards = np.arange(n) * 14 // n
+    grain = 0.12 * (value_noise(rng, n, n, (n // 4, 8)) - 0.5)
+    brightness = (1 + 0.05 * rng.standard_normal(14))[boards][:, None] + grain
+    brightness[np.flatnonzero(np.diff(boards))] -= 0.2
+    for row, column in product((0.2, 0.5, 0.8), np.arange(0.1, 1.0, 0.15)):
+        at = np.s_[int(row * n) : int(row * n) + 6, int(column * n) : int(column * n) + 3]
+        brightness[at] -= 0.45
+    return _used(rng, (brightness * _papered(rng, n))[..., None] * colour)
+
+
+def _used(rng: np.random.Generator, image: Shade) -> Shade:
+    """Draw what hangs, runs and is left on a wall."""
+    wall = _Wall(image)
     _scuffed(rng, wall)
     _piped(rng, wall)
     _wired(rng, wall)
@@ -53,16 +102,14 @@ def paint(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
     return np.clip(wall.image, 0, 255)
 
 
-def _papered(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
-    """Draw stains, boards that meet every 1.35 m, and the grain of the paper."""
-    coarse = float(rng.uniform(0.01, 0.05))
-    stains = 0.05 * fractal_noise(rng, n, n, 3, 4) + coarse * fractal_noise(rng, n, n, 64, 2)
+def _papered(rng: np.random.Generator, n: int) -> Shade:
+    """Return how bright paint is with stains, joints every 1.35 m, and the grain of the paper."""
+    stains = 0.05 * fractal_noise(rng, n, n, 3, 4) + 0.02 * fractal_noise(rng, n, n, 64, 2)
     boards = np.repeat(1 + 0.012 * rng.standard_normal(4), n // 4)
     boards[:: n // 4] -= 0.06
     height = np.linspace(TALL, 0, n)
     worn = np.where(height < 0.5, 0.88 + 0.24 * height, 1.0)
-    brightness = (1 + stains + 0.012 * rng.standard_normal((n, n))) * boards * worn[:, None]
-    return np.asarray(colour * brightness[..., None])
+    return np.asarray((1 + stains + 0.012 * rng.standard_normal((n, n))) * boards * worn[:, None])
 
 
 def _scuffed(rng: np.random.Generator, wall: _Wall, count: int = 50) -> None:

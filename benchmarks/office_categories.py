@@ -59,7 +59,8 @@ def main() -> None:
         drives("second_floor"), {name: model.cue for name, model in pipeline.cues.items()}
     )
     scores: dict[str, Scores] = {
-        name: model.scores(samples.extracted[name].features[0]) for name, model in pipeline.cues.items()
+        name: model.scores(samples.extracted[name].features[0])
+        for name, model in pipeline.cues.items()
     }
     scores["svm_das"] = pipeline.integrator.integrate(StoredEvidence(dict(scores)))
     classes = np.unique(samples.labels)

@@ -48,9 +48,9 @@ def test_half_a_year_shifts_some_furniture_and_exchanges_some() -> None:
     standing = [(a, b) for a, b in pairs if a.bottom == 0 and not a.moves]
     steps = [float(np.linalg.norm(centre(a) - centre(b))) for a, b in standing]
     shifted = [step for step in steps if step > 0]
-    assert 0.3 * len(standing) < len(shifted) <= round(0.5 * len(standing))
-    assert all(0.25 <= step <= 0.6 for step in shifted)
-    assert 0.4 < np.mean([a.key != b.key for a, b in pairs]) < 0.8
+    assert 0.4 * len(standing) < len(shifted) <= round(0.65 * len(standing))
+    assert all(0.3 <= step <= 0.75 for step in shifted)
+    assert 0.5 < np.mean([a.key != b.key for a, b in pairs]) < 0.9
     hung = [a.key != b.key for a, b in zip(before.panels, after.panels, strict=True)]
     assert 0.5 < np.mean(hung) < 1
     assert all(a.key == b.key for a, b in zip(before.panels, after.panels, strict=True) if a.window)
@@ -75,15 +75,15 @@ def test_a_part_of_the_small_things_is_put_elsewhere_in_each_recording() -> None
     recordings = {(run, light): clutter_of(run, light) for run in (1, 2) for light in LIGHTS}
     assert all(set(each) == set(recordings[1, "cloudy"]) for each in recordings.values())
     assert len(recordings[1, "cloudy"]) == 15
-    # Three in ten: of a pair 0.7 * 0.7 stay; from light to light 0.85 * 0.85 of these.
+    # 5 of 15: of a pair (2/3)**2 stay; from light to light 4 more: (11/15)**2 of these.
     close = [unmoved(recordings[1, light], recordings[2, light]) for light in LIGHTS]
     weeks = [
         unmoved(recordings[run, one], recordings[run, two])
         for run in (1, 2)
         for one, two in combinations(LIGHTS, 2)
     ]
-    assert 0.4 <= np.mean(close) <= 0.65
-    assert 0.2 <= np.mean(weeks) < np.mean(close) - 0.05
+    assert 0.3 <= np.mean(close) <= 0.6
+    assert 0.1 <= np.mean(weeks) < np.mean(close) - 0.05
 
 
 def test_drives_that_end_alike_are_recorded_close_together() -> None:

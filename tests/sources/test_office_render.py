@@ -82,8 +82,8 @@ def test_paint_colours_the_wall_and_noise_is_of_the_asked_size() -> None:
     ground = light_up(plan, blocks, geometry, ILLUMINATIONS["night"])
     image = CAMERA.shoot(geometry, skin, ground, Pose2D(2.0, 2.0, 0.0), key=1)
     red, green, blue = image[100:130, 140:180].reshape(-1, 3).mean(axis=0)
-    assert red > 2 * green
-    assert red > 2 * blue
+    assert red > 1.7 * green  # sixteen times the light, less what the filters let through
+    assert red > 1.7 * blue
     flat = np.full((240, 320, 3), 0.2, dtype=np.float32)
     clean, noisy = (develop(flat, 1.0, size, np.uint64(9)).astype(float) for size in (0.0, 4.0))
     assert np.ptp(clean) == 0
@@ -112,9 +112,9 @@ def test_the_lens_scatters_a_part_of_the_mean_light_everywhere() -> None:
         for flare in (0.0, 0.5)
     )
     assert (hazy >= clear).all()
-    dark, bright = clear.mean(axis=2) < 60, clear.mean(axis=2) > 150
-    rise = hazy.astype(float) - clear
-    assert rise[dark].mean() > 2 * rise[bright].mean() > 0
+    grey, rise = clear.mean(axis=2), hazy.astype(float) - clear
+    dark, bright = grey <= np.quantile(grey, 0.1), grey >= np.quantile(grey, 0.9)
+    assert rise[dark].mean() > 1.3 * rise[bright].mean() > 0
 
 
 def test_walls_are_darker_where_they_meet_the_floor() -> None:

@@ -13,7 +13,6 @@ from placecue_office.arrays import Eye, Geometry, Ground, Skin
 from placecue_office.shade import develop, shade
 from placecue_office.trace import trace
 
-
 #: What is brighter counts as this for the exposure: windows and lamps leave a room darker.
 BRIGHTEST = 3.0
 

@@ -50,7 +50,7 @@ ILLUMINATIONS: dict[str, Illumination] = {
     "cloudy": Illumination(
         (0.40, 0.35, 0.27), (0.50, 0.62, 0.80), (1.4, 1.55, 1.75), lit=0.9, varies=0.2
     ),
-    "night": Illumination((0.35, 0.275, 0.17), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
+    "night": Illumination((0.28, 0.22, 0.135), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
     "sunny": Illumination(
         (0.40, 0.35, 0.27),
         (1.5, 1.45, 1.35),

@@ -86,7 +86,7 @@ class Office(Source):
     poses : str or None
         The recorded poses (``poses.csv.gz``); None looks in the folder ``PLACECUE_DATA``.
     clutter : int
-        How many small things stand about; two in ten are put elsewhere in each recording.
+        How many small things stand about; a third is put elsewhere in each recording.
     walkers : int
         How many people walk about.
     seated : float

@@ -98,10 +98,10 @@ class Life:
     """
 
     clutter: int = 15
-    moved: float = 0.2
-    moved_in_weeks: float = 0.15
+    moved: float = 0.35
+    moved_in_weeks: float = 0.25
     moved_later: float = 0.8
-    added: int = 6
+    added: int = 8
     box: tuple[float, float] = (0.35, 0.7)
     walkers: int = 2
     seated: float = 0.12

@@ -34,7 +34,7 @@ MARGINS = (0.005, 0.02, 0.04)
 ARRANGING, ROUTING, WHEELS, BEAMS, PIXELS, LIGHT, SEATS, CLOTHES, WALKS = range(9)
 
 #: What chance decides in a world, for all recordings of a time.
-SCATTERING, AGING, WEEKS = 100, 101, 102
+SCATTERING, AGING, WEEKS, HOURS = 100, 101, 102, 103
 
 #: Drives with the same last digit were recorded close together, others weeks apart.
 DRIVES = 10
@@ -155,10 +155,14 @@ class World:
             things = rescattered(things, life.moved_later, clutter, floor, rng)
             boxes = Clutter(sizes=life.box)
             things += boxes.scattered(floor, life.added, rng, first=1000 * half_year)
-        weeks = self.recording.half_years, self.recording.drive % DRIVES
-        rng = self.recording.rng_of_world(WEEKS, *weeks)
+        rng = self.recording.rng_of_world(WEEKS, *self._weeks)
         things = rescattered(things, life.moved_in_weeks, clutter, floor, rng)
         return plan, floor, things
+
+    @property
+    def _weeks(self) -> tuple[int, int]:
+        """What recordings that are made close together share: half-year, and kind of drive."""
+        return self.recording.half_years, self.recording.drive % DRIVES
 
     @property
     def plan(self) -> Plan:
@@ -221,8 +225,9 @@ class World:
     @cached_property
     def ground(self) -> Ground:
         """Rooms and light by place."""
-        light = ILLUMINATIONS[self.recording.illumination]
-        return light_up(self.plan, self.blocks, self.geometry, light, self.recording.rng(LIGHT))
+        light, here = ILLUMINATIONS[self.recording.illumination], self.recording
+        usual = here.rng_of_world(HOURS, *self._weeks)
+        return light_up(self.plan, self.blocks, self.geometry, light, here.rng(LIGHT), usual)
 
     @cached_property
     def clearance(self) -> Clearance:

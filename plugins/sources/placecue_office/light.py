@@ -50,7 +50,7 @@ ILLUMINATIONS: dict[str, Illumination] = {
     "cloudy": Illumination(
         (0.40, 0.35, 0.27), (0.38, 0.47, 0.60), (1.25, 1.4, 1.6), lit=0.9, varies=0.2
     ),
-    "night": Illumination((0.21, 0.165, 0.10), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
+    "night": Illumination((0.225, 0.175, 0.108), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
     "sunny": Illumination(
         (0.40, 0.35, 0.27),
         (1.5, 1.45, 1.35),

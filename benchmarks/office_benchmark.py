@@ -1,43 +1,46 @@
 """Experiments 1 to 4 of the paper on the simulated benchmark: every cue, and both by SVM-DAS.
 
-python benchmarks/office_benchmark.py out --worlds 0 1 2 3 4 --cues laser crfh --jobs 2
+python benchmarks/office_benchmark.py out --worlds 0 1 2 3 4 --methods laser adaboost crfh
 python benchmarks/office_benchmark.py out --report
 
 Results are kept in the folder ``out`` as they come, one JSON line a pair of sequences; what is
-there is not computed again. Each model is trained on one sequence. Its C and gamma are those that
-do best on the sequence of the next illumination and the other run close in time, which no
-experiment tests it on. SVM-DAS is fitted on the outputs that the models of one sequence give in
-all experiments, and used with the models of the other run close in time.
+there is not computed again. Cues and classifiers are those of the shipped options. Each model is
+trained on one sequence. Its C and gamma are those of the option's search that do best on the
+sequence of the next illumination and the other run close in time, which no experiment tests it on;
+AdaBoost has nothing to choose. SVM-DAS is fitted on the outputs that the models of one sequence
+give in all experiments, and used with the models of the other run close in time.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import joblib
 import numpy as np
+from cues_and_classifiers import components, config_of
 from numpy.typing import NDArray
-from sklearn.base import clone
 from sklearn.metrics import balanced_accuracy_score, recall_score
 
+from placecue.classifier import Classifier
 from placecue.cue import Cue
 from placecue.evidence import StoredEvidence
+from placecue.grams import KeptGrams, keeping
 from placecue.learning.collecting import collect
 from placecue.learning.samples import Samples
-from placecue.scaling import QuantileScaling
 from placecue.scores import Scores
 from placecue_classifiers.svm import SVM
-from placecue_cues.crfh import CRFH
-from placecue_cues.laser import LaserGeometry
 from placecue_integrators.svm_das import SVMDAS
-from placecue_kernels.chi2 import Chi2
 from placecue_kernels.rbf import RBF
 from placecue_office.simulator import Office
 
@@ -48,6 +51,7 @@ LATER = {1: 3, 2: 4, 3: 1, 4: 2}  # half a year apart
 PAPER = {
     "crfh": ("95.1", "79.8", "85 to 88", ""),
     "laser": ("92.5", "90.6 to 91.9", "84.6 to 88.8", ""),
+    "adaboost": ("86.4", "", "", ""),
     "svm_das": ("", "", "", ""),
 }
 
@@ -89,23 +93,34 @@ SEQUENCES = [Sequence(light, run) for light in LIGHTS for run in PARTNER]
 
 
 class Method(NamedTuple):
-    """A cue and its classifier."""
+    """A shipped option of a cue and its classifier, as after ``placecue train``.
 
-    cue: Cue
-    svm: SVM
-    grid: dict[str, list[float]]
-    every: int
+    Parameters
+    ----------
+    cue : str
+        The cue's option.
+    overrides : tuple of str
+        What else is set.
+    every : int
+        Takes every so-many-th observation.
+    """
+
+    cue: str
+    overrides: tuple[str, ...] = ()
+    every: int = 1
+
+    def built(self) -> tuple[Cue, Classifier]:
+        """Build cue and classifier."""
+        return components(config_of([f"cue=[{self.cue}]", "integrator=none", *self.overrides]))
 
 
 METHODS = {
-    "laser": Method(
-        LaserGeometry(),
-        SVM(kernel=RBF(), scaling=QuantileScaling()),
-        {"C": [10, 100, 1000], "gamma": [0.003, 0.01, 0.03, 0.1]},
-        1,
-    ),
-    "crfh": Method(CRFH(), SVM(kernel=Chi2()), {"C": [1, 10, 100], "gamma": [0.3, 1, 3]}, 3),
+    "laser": Method("laser"),
+    "adaboost": Method("laser", ("classifier@cues.laser.classifier=adaboost",)),
+    "crfh": Method("crfh", every=3),
 }
+#: What SVM-DAS joins.
+JOINED = ["laser", "crfh"]
 
 
 #: Tried for SVM-DAS by cross-validation on what it is fitted on.
@@ -137,8 +152,9 @@ class Bench:
         folder.mkdir(parents=True, exist_ok=True)
 
     def samples(self, name: str, sequence: Sequence, every: int) -> Samples:
-        """Return the features of one sequence, extracted once."""
-        path = self.folder / "features" / f"{name}{every}_{self.seed}_{sequence.name}.joblib"
+        """Return the features of one sequence by a method's cue, extracted once."""
+        cue = METHODS[name].cue
+        path = self.folder / "features" / f"{cue}{every}_{self.seed}_{sequence.name}.joblib"
         if not path.exists():
             path.parent.mkdir(exist_ok=True)
             office = Office(
@@ -148,44 +164,52 @@ class Bench:
                 **self.settings,  # type: ignore[arg-type]
             )
             taken = (each for number, each in enumerate(office) if number % every == 0)
-            made = collect(taken, {name: METHODS[name].cue})
+            made = collect(taken, {cue: METHODS[name].built()[0]})
             joblib.dump(replace(made, observations=()), path)
         return joblib.load(path)  # type: ignore[no-any-return]
 
     def run(self, name: str) -> None:
-        """Train and test one cue on all pairs that are not there yet."""
+        """Train and test one method on all pairs that are not there yet."""
         done = {(row["train"], row["test"]) for row in self.rows() if row["method"] == name}
         for sequence in SEQUENCES:
             if all((sequence.name, test.name) in done for _, test in sequence.tests()):
                 continue
-            svm = self.trained(name, sequence)
+            classifier, chosen = self.trained(name, sequence)
             for experiment, test in sequence.tests():
                 samples = self.samples(name, test, self.stride(name))
-                scores = svm.scores(samples.extracted[name].features[0])
+                scores = classifier.scores(self.features(name, samples))
                 path = self.folder / "scores" / f"{name}_{self.seed}_{sequence.name}_{test.name}"
                 path.parent.mkdir(exist_ok=True)
                 joblib.dump((scores, samples.stamps), path)
-                chosen = {"C": svm.C_, "gamma": svm.kernel_.gamma}
                 self.keep(name, experiment, sequence, test, scores.decide().labels, samples, chosen)
 
     def stride(self, name: str) -> int:
         """Return which part of the observations a method takes."""
         return self.every or METHODS[name].every
 
-    def trained(self, name: str, sequence: Sequence) -> SVM:
-        """Return the classifier of a sequence, C and gamma chosen on another one."""
-        method, every = METHODS[name], self.stride(name)
-        ours = self.samples(name, sequence, every)
-        theirs = self.samples(name, sequence.chosen_on(), every)
-        best, kept = -1.0, method.svm
-        for C, gamma in product(method.grid["C"], method.grid["gamma"]):
-            kernel = clone(method.svm.kernel).set_params(gamma=gamma)
-            svm = clone(method.svm).set_params(C=C, kernel=kernel)
-            svm.fit(ours.extracted[name].features[0], ours.labels, ours.stamps)
-            decided = svm.scores(theirs.extracted[name].features[0]).decide().labels
-            score = balanced_accuracy_score(theirs.labels, decided)
-            best, kept = (score, svm) if score > best else (best, kept)
-        return kept
+    @staticmethod
+    def features(name: str, samples: Samples) -> Any:
+        """Return the features of a method's cue."""
+        return samples.extracted[METHODS[name].cue].features[0]
+
+    def trained(self, name: str, sequence: Sequence) -> tuple[Classifier, dict[str, float]]:
+        """Return the classifier of a sequence, C and gamma chosen on another one, and these."""
+        cue, classifier = METHODS[name].built()
+        ours = self.samples(name, sequence, self.stride(name)).training_set(METHODS[name].cue, cue)
+        if not isinstance(classifier, SVM) or not classifier.search:
+            classifier.train(ours)
+            return classifier, {}
+        theirs = self.samples(name, sequence.chosen_on(), self.stride(name))
+        best, kept, chosen = -1.0, classifier, {}
+        with keeping(KeptGrams()):
+            for values in product(*classifier.search.values()):
+                setting = dict(zip(classifier.search, values, strict=True))
+                svm = classifier.with_setting(setting).set_params(search=None)
+                decided = svm.train(ours).scores(self.features(name, theirs)).decide().labels
+                score = balanced_accuracy_score(theirs.labels, decided)
+                if score > best:
+                    best, kept, chosen = score, svm, setting
+        return kept, chosen
 
     def integrate(self, cues: list[str]) -> None:
         """Fit SVM-DAS for each sequence and use it with the models of the other run."""
@@ -293,20 +317,20 @@ def report(folder: Path) -> str:
     return "\n".join(lines)
 
 
-def measure(folder: Path, world: int, cues: list[str], settings: dict[str, object]) -> None:
-    """Run every cue on one world, then both."""
+def measure(folder: Path, world: int, methods: list[str], settings: dict[str, object]) -> None:
+    """Run every method on one world, then both cues."""
     bench = Bench(folder, world, settings)
-    for cue in cues:
-        bench.run(cue)
-    if len(cues) > 1:
-        bench.integrate(cues)
+    for name in methods:
+        bench.run(name)
+    if set(JOINED) <= set(methods):
+        bench.integrate(JOINED)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("--worlds", type=int, nargs="*", default=[0, 1, 2, 3, 4])
-    parser.add_argument("--cues", nargs="*", default=["laser", "crfh"], choices=list(METHODS))
+    parser.add_argument("--methods", nargs="*", default=list(METHODS), choices=METHODS)
     parser.add_argument("--set", nargs="*", default=[], help="other parameters: route=idol2 ...")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--report", action="store_true", help="only print the table")
@@ -318,7 +342,7 @@ if __name__ == "__main__":
     if not given.report:
         joblib.Parallel(given.jobs)(
             joblib.delayed(measure)(
-                given.out, world, given.cues, {"speed": 0.4, "turn_rate": 0.7, **changed}
+                given.out, world, given.methods, {"speed": 0.4, "turn_rate": 0.7, **changed}
             )
             for world in given.worlds
         )

@@ -24,7 +24,7 @@ def test_the_library_example_runs(
         with McapWriter(f"run{run}.mcap") as writer:
             written = copy(source, writer)
     [example] = re.findall(
-        r"```python\n(from placecue import FamilyScaling, Pipeline[^\n]*\n.*?)```", README, re.DOTALL
+        r"```python\n(from placecue import [^\n]*Pipeline\n.*?)```", README, re.DOTALL
     )
     exec(compile(example, "README.md", "exec"), {})
     lines = capsys.readouterr().out.splitlines()

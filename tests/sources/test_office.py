@@ -68,6 +68,7 @@ def test_stamps_and_count(office: Office, drive: list[Observation]) -> None:
     assert office.metadata == {
         "dataset": "office",
         "world": "idol2_floor",
+        "version": "3",
         "seed": "0",
         "illumination": "cloudy",
         "run": "1",

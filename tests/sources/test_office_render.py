@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -14,7 +16,7 @@ from placecue_office.laser import Laser
 from placecue_office.light import ILLUMINATIONS, light_up
 from placecue_office.plan import Plan, Room, Wall
 from placecue_office.scene import build_geometry, build_skin
-from placecue_office.shade import develop
+from placecue_office.shade import _corner, develop
 from placecue_office.trace import trace
 
 CAMERA = Camera(width=320, height=240, field_of_view=90.0, above_floor=1.0, noise=0.0)
@@ -80,13 +82,47 @@ def test_paint_colours_the_wall_and_noise_is_of_the_asked_size() -> None:
     ground = light_up(plan, blocks, geometry, ILLUMINATIONS["night"])
     image = CAMERA.shoot(geometry, skin, ground, Pose2D(2.0, 2.0, 0.0), key=1)
     red, green, blue = image[100:130, 140:180].reshape(-1, 3).mean(axis=0)
-    assert red > 2 * green
-    assert red > 2 * blue
+    assert red > 1.7 * green  # sixteen times the light, less what the filters let through
+    assert red > 1.7 * blue
     flat = np.full((240, 320, 3), 0.2, dtype=np.float32)
     clean, noisy = (develop(flat, 1.0, size, np.uint64(9)).astype(float) for size in (0.0, 4.0))
     assert np.ptp(clean) == 0
     assert (noisy - clean).std() == pytest.approx(4.0, rel=0.03)
     assert abs((noisy - clean).mean()) < 0.5
+
+
+def test_colours_leak_into_one_another_and_grey_stays() -> None:
+    red = np.zeros((2, 2, 3), dtype=np.float32)
+    red[..., 0] = 0.3
+    shown = develop(red, 1.0, 0.0, np.uint64(1))[0, 0].astype(float)
+    assert shown[0] > shown[1] == shown[2] > 0
+    # Gamma 2 and a soft shoulder undone, the sum of the colours is what came in.
+    bent = (shown / 255) ** 2 / 1.35
+    assert (bent / (1 - 0.35 * bent)).sum() == pytest.approx(0.3, rel=0.01)
+    grey = develop(np.full((2, 2, 3), 0.1, dtype=np.float32), 1.0, 0.0, np.uint64(1))[0, 0]
+    assert np.ptp(grey) == 0
+
+
+def test_the_lens_scatters_a_part_of_the_mean_light_everywhere() -> None:
+    plan, blocks = bare_room(), blocks_of(bare_room(), ())
+    geometry, skin = build_geometry(plan, blocks), build_skin(plan, blocks, seed=3)
+    ground = light_up(plan, blocks, geometry, ILLUMINATIONS["night"])
+    clear, hazy = (
+        replace(CAMERA, flare=flare).shoot(geometry, skin, ground, Pose2D(2, 2, 0.0), 1, 0.5)
+        for flare in (0.0, 0.5)
+    )
+    assert (hazy >= clear).all()
+    grey, rise = clear.mean(axis=2), hazy.astype(float) - clear
+    dark, bright = grey <= np.quantile(grey, 0.1), grey >= np.quantile(grey, 0.9)
+    assert rise[dark].mean() > 1.3 * rise[bright].mean() > 0
+
+
+def test_walls_are_darker_where_they_meet_the_floor() -> None:
+    heights = np.array([_corner(height, 2.7) for height in (0.0, 0.05, 0.3, 1.35, 2.4, 2.7)])
+    assert (np.diff(heights[:4]) > 0).all()
+    assert (np.diff(heights[3:]) < 0).all()
+    assert heights[2] == pytest.approx(heights[4])
+    assert heights.max() <= 1
 
 
 def test_beams_in_the_bare_room_are_as_long_as_trigonometry_says() -> None:

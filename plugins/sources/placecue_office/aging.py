@@ -31,9 +31,9 @@ class Aging:
         Shifts tried before a piece stays.
     """
 
-    shifted: float = 0.3
-    shift: tuple[float, float] = (0.2, 0.35)
-    exchanged: float = 0.6
+    shifted: float = 0.65
+    shift: tuple[float, float] = (0.3, 0.75)
+    exchanged: float = 0.7
     posters: float = 0.9
     tries: int = 40
 

@@ -91,7 +91,7 @@ class AtlasBuilder:
     def _surface(self, name: str, colour: NDArray[np.float64]) -> Look:
         surface = SURFACES[name]
         rng = self._rng(_SURFACE, crc32(name.encode()), *colour.astype(int).tolist())
-        texture = self._add(surface.draw(rng, colour, self.size))
+        texture = self._add(surface.draw(rng, colour, self.size * surface.finer))
         return Look(texture, 1.0 / surface.metres, 1.0 / (surface.tall or surface.metres))
 
     def _rng(self, *key: int) -> np.random.Generator:

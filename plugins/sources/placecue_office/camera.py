@@ -13,6 +13,9 @@ from placecue_office.arrays import Eye, Geometry, Ground, Skin
 from placecue_office.shade import develop, shade
 from placecue_office.trace import trace
 
+#: What is brighter counts as this for the exposure: windows and lamps leave a room darker.
+BRIGHTEST = 3.0
+
 
 @dataclass(frozen=True, slots=True)
 class Camera:
@@ -34,6 +37,10 @@ class Camera:
         Time that the shutter is open at an exposure of 1, s; 0 blurs nothing.
     longest : float
         Longest time that it is open, s.
+    flare : float
+        Part of the light that the lens scatters all over the image.
+    strongest : float
+        Largest exposure: in less light the image gets darker.
     """
 
     width: int
@@ -44,6 +51,8 @@ class Camera:
     exposure: float = 0.2
     shutter: float = 0.0
     longest: float = 0.04
+    flare: float = 0.08
+    strongest: float = 1.75
 
     def eye(self, pose: Pose2D) -> Eye:
         """Return the camera as the kernels see it."""
@@ -55,7 +64,8 @@ class Camera:
         """Return the exposure that suits a view, from a small image of it."""
         small = replace(self, width=max(self.width // 10, 8), height=max(self.height // 10, 6))
         light = small._light(geometry, skin, ground, pose)
-        return self.exposure / max(float(np.minimum(light, 1.0).mean()), 0.01)
+        mean = float(np.minimum(light, BRIGHTEST).mean())
+        return min(self.exposure / max(mean, 0.01), self.strongest)
 
     def shoot(
         self,
@@ -90,6 +100,7 @@ class Camera:
         if gain is None:
             gain = self.meter(geometry, skin, ground, pose)
         light = self._light(geometry, skin, ground, pose)
+        light += np.float32(self.flare * light.mean())
         streak = abs(turning) * min(self.shutter * gain, self.longest) * self.eye(pose).focal
         return np.asarray(develop(blurred(light, streak), gain, self.noise, np.uint64(key)))
 

@@ -48,24 +48,27 @@ class Illumination:
 
 ILLUMINATIONS: dict[str, Illumination] = {
     "cloudy": Illumination(
-        (0.40, 0.35, 0.27), (0.50, 0.62, 0.80), (1.4, 1.55, 1.75), lit=0.5, varies=0.2
+        (0.40, 0.35, 0.27), (0.38, 0.47, 0.60), (1.25, 1.4, 1.6), lit=0.9, varies=0.2
     ),
-    "night": Illumination((0.45, 0.36, 0.23), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
+    "night": Illumination((0.225, 0.175, 0.108), (0.0, 0.0, 0.0), (0.02, 0.02, 0.035)),
     "sunny": Illumination(
         (0.40, 0.35, 0.27),
         (1.5, 1.45, 1.35),
-        (2.3, 2.6, 3.1),
-        sun=(9.0, 8.0, 6.0),
-        lit=0.15,
+        (3.2, 3.6, 4.3),
+        sun=(13.0, 11.6, 8.8),
+        lit=0.1,
         varies=0.25,
     ),
 }
 
 #: A room whose daylight is below this part of the brightest room's has its lamps on, always.
-DARK = 0.15
+DARK = 0.35
 
 #: How far from south the sun may stand, and how high, degrees. South is down in the plan.
 SUN_BEARING, SUN_ELEVATION = 80.0, (12.0, 42.0)
+
+#: How far it is at most from there in one recording, to the side and in height, degrees.
+SUN_MOVES = 8.0, 3.0
 
 #: How bright a lamp looks, in strengths of its light.
 LAMP_SHINE = 4.0
@@ -77,6 +80,7 @@ def light_up(
     geometry: Geometry,
     light: Illumination,
     rng: np.random.Generator | None = None,
+    usual: np.random.Generator | None = None,
     cell: float = 0.1,
 ) -> Ground:
     """Compute the light in every cell of a plan.
@@ -94,21 +98,23 @@ def light_up(
     light : Illumination
         The time of day.
     rng : Generator, optional
-        Decides where the sun stands, how bright the day is, and which lamps are on.
+        Decides how bright the day is, and how far the sun has moved.
+    usual : Generator, optional
+        Decides where the sun about stands, and which lamps are on: the same for recordings that
+        are made close together.
     cell : float
         Width of a cell, m.
     """
-    rng = rng or np.random.default_rng(0)
+    rng, usual = rng or np.random.default_rng(0), usual or np.random.default_rng(1)
     day = max(1 + light.varies * float(rng.standard_normal()), 0.4)
-    bearing = np.radians(-90.0 + SUN_BEARING * rng.uniform(-1, 1))
-    elevation = np.radians(rng.uniform(*SUN_ELEVATION)) if max(light.sun) > 0 else 0.0
-    sun = shining(plan, float(bearing), float(elevation), light.sun)
+    bearing, elevation = _sun_stands(usual, rng)
+    sun = shining(plan, bearing, elevation if max(light.sun) > 0 else 0.0, light.sun)
     raster = Raster.over(plan, cell)
     centres = raster.centres()
     rooms = _nearest_room(plan, raster)
     walls = np.ascontiguousarray(geometry.faces[geometry.spans[:, 1] - geometry.spans[:, 0] > 2.0])
     daylight = day * _daylight(plan, walls, centres).reshape(raster.shape)
-    on = _lamps_on(plan, daylight, rooms, light.lit, rng)
+    on = _lamps_on(plan, daylight, rooms, light.lit, usual)
     lamps = _lamplight(plan, walls, centres, on).reshape(raster.shape)
     direct = daylight[..., None] * np.array(light.sky) + lamps[..., None] * np.array(light.lamps)
     direct += _sun_bounce(sun, rooms)
@@ -122,6 +128,13 @@ def light_up(
         cell=cell,
         sun=sun,
     )
+
+
+def _sun_stands(usual: np.random.Generator, rng: np.random.Generator) -> tuple[float, float]:
+    """Return bearing and elevation of the sun, rad."""
+    aside, up = (each * rng.uniform(-1, 1) for each in SUN_MOVES)
+    bearing = -90.0 + SUN_BEARING * usual.uniform(-1, 1) + aside
+    return float(np.radians(bearing)), float(np.radians(usual.uniform(*SUN_ELEVATION) + up))
 
 
 def _nearest_room(plan: Plan, raster: Raster) -> NDArray[np.int64]:

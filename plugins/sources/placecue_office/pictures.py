@@ -246,24 +246,76 @@ def fridge(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:
 
 
 def window(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:
-    """Draw a window: bright sky, trees and a house across the street, sash bars, frame."""
-    ramp = np.linspace(1.0, 0.86, h)[:, None, None]
-    image = _base(rng, colour, h, w, 0.06) * ramp
-    skyline = (0.6 + 0.18 * fractal_noise(rng, 1, w, 4, 4)[0]) * h
-    below = np.arange(h)[:, None] > skyline[None, :]
-    image[below] = _base(rng, np.array([96.0, 112, 84]), h, w, 0.7)[below]
-    _fill(image, (0.5, 0.55, 1.0, 0.85), np.array([150.0, 110, 92]))
-    for row, column in np.ndindex(3, 4):
-        top, left = 0.55 + 0.15 * row, 0.57 + 0.07 * column
-        _fill(image, (top, left, top + 0.08, left + 0.04), 70.0)
-    bars = max(2, round(w / 110))
-    for bar in range(1, bars):
-        _fill(image, (0, bar / bars - 4 / w, 1, bar / bars + 4 / w), 150.0)
+    """Draw a window: sky, houses and trees outside, perhaps a blind, sash bars, frame."""
+    ramp = np.linspace(1.0, rng.uniform(0.75, 0.95), h)[:, None, None]
+    image = _base(rng, colour, h, w, 0.12) * ramp
+    for _ in range(int(rng.integers(0, 4))):
+        _house(rng, image)
+    _trees(rng, image)
+    if rng.random() < 0.6:
+        _blind(rng, image, float(rng.uniform(0.1, 0.6)))
+    for bar in _sashes(rng, w):
+        _fill(image, (0, bar - 4 / w, 1, bar + 4 / w), 150.0)
     _fill(image, (0, 0, 6 / h, 1), 150.0)
     _fill(image, (1 - 8 / h, 0, 1, 1), 150.0)
     _fill(image, (0, 0, 1, 6 / w), 150.0)
     _fill(image, (0, 1 - 6 / w, 1, 1), 150.0)
     return image
+
+
+def _house(rng: np.random.Generator, image: Shade) -> None:
+    """Put a house with rows of windows across the street."""
+    top, left = rng.uniform(0.1, 0.6), rng.uniform(-0.2, 0.8)
+    wide, floors, axes = rng.uniform(0.2, 0.6), int(rng.integers(2, 6)), int(rng.integers(2, 7))
+    front = jitter(rng, np.array([165.0, 140, 122]), 0.35)
+    _cover(rng, image, (top, max(left, 0.0), 1.0, min(left + wide, 1.0)), front, 0.1)
+    for floor, axis in np.ndindex(floors, axes):
+        x, y = left + wide * (axis + 0.25) / axes, top + (1 - top) * (floor + 0.3) / floors
+        if 0 <= x <= 1 - 0.5 * wide / axes:
+            box = (y, x, y + 0.45 * (1 - top) / floors, x + 0.5 * wide / axes)
+            _fill(image, box, jitter(rng, np.array([75.0, 82, 92]), 0.4))
+
+
+def _trees(rng: np.random.Generator, image: Shade) -> None:
+    """Grow trees up to a line of their own in front of all that."""
+    h, w = image.shape[:2]
+    tall = rng.uniform(0.05, 0.5)
+    skyline = (1 - tall * (0.9 + 0.6 * fractal_noise(rng, 1, w, 3, 5)[0])) * h
+    below = np.arange(h)[:, None] > skyline[None, :]
+    leaves = jitter(rng, np.array([92.0, 104, 82]), 0.25)
+    image[below] = _base(rng, leaves, h, w, 0.8)[below]
+
+
+def _blind(rng: np.random.Generator, image: Shade, down: float) -> None:
+    """Let a venetian blind down over the upper part of a window."""
+    slats = np.arange(0, down, 8 / image.shape[0])
+    shade = jitter(rng, np.array([170.0, 168, 160]), 0.2)
+    for top in slats:
+        _fill(image, (top, 0.01, top + 6 / image.shape[0], 0.99), shade)
+
+
+def _sashes(rng: np.random.Generator, w: int) -> list[float]:
+    bars = max(2, round(w / rng.uniform(80, 130)))
+    return [bar / bars for bar in range(1, bars)]
+
+
+def radiator(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:
+    """Draw a radiator: upright ribs between two rails, and a valve."""
+    ribs = 0.72 + 0.4 * np.abs(np.linspace(0, max(4, w / 9), w) % 1 - 0.5)
+    image = _base(rng, colour, h, w, 0.03) * ribs[None, :, None]
+    for top in (0.0, 0.93):
+        _cover(rng, image, (top, 0, top + 0.07, 1), 0.95 * colour, 0.03)
+    _fill(image, (0.04, 0.94, 0.2, 1.0), 70.0)
+    return image
+
+
+def curtain(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:
+    """Draw a curtain that hangs in folds."""
+    folds = fractal_noise(rng, 1, w, max(4, w // 12), 2)[0]
+    sag = fractal_noise(rng, h, w, 2, 3)
+    image = _base(rng, colour, h, w, 0.05) * (1 + 0.45 * folds[None, :] + 0.08 * sag)[..., None]
+    _fill(image, (0.0, 0.0, 0.03, 1.0), 95.0)
+    return np.clip(image, 0, 255)
 
 
 def lamp(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:
@@ -285,5 +337,7 @@ PICTURES: dict[str, Picture] = {
     "oven": oven,
     "fridge": fridge,
     "window": window,
+    "radiator": radiator,
+    "curtain": curtain,
     "lamp": lamp,
 }

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from placecue_office.arrays import CEILING, FLOOR, Eye, Geometry, Ground, Skin
 from placecue_office.sun import shading, sunlit
 
+#: How much of each colour is the grey of all three: a sensor's filters let others through.
+MIXED = 0.25
+
 
 @njit(cache=True)
 def texel(
@@ -114,6 +117,13 @@ def _clamp(value: float, count: int) -> int:
 
 
 @njit(cache=True)
+def _corner(height: float, ceiling: float) -> float:
+    """Return what part of the light gets to an upright face, less near floor and ceiling."""
+    away = max(min(height, ceiling - height), 0.0)
+    return 0.55 + 0.45 * away / (away + 0.1)
+
+
+@njit(cache=True)
 def shade(
     depth: NDArray[np.float32],
     surface: NDArray[np.int32],
@@ -146,10 +156,11 @@ def shade(
             x, y = px, py
             if 0 <= number < len(geometry.faces):
                 u, square, nx, ny = _on_face(geometry.faces[number], x, y, dx, dy)
-                v = eye.z - reach * down - geometry.spans[number, 0]
+                height = eye.z - reach * down
+                v = height - geometry.spans[number, 0]
                 x, y = px + 0.15 * nx, py + 0.15 * ny  # the light in front of the face
                 px, py = px + 0.01 * nx, py + 0.01 * ny
-                dimmed = 0.72 + 0.28 * abs(nx)
+                dimmed = (0.72 + 0.28 * abs(nx)) * _corner(height, geometry.ceiling)
                 facing = (nx * toward[0] + ny * toward[1]) * toward[3]
             else:
                 u, v, square, dimmed = x, y, abs(down), 1.0
@@ -224,10 +235,12 @@ def develop(
     for row in range(rows):
         for column in range(columns):
             bits = _mix(key + np.uint64(row * columns + column))
+            light = image[row, column]
+            grey = MIXED * (light[0] + light[1] + light[2]) / 3
             for k in range(3):
                 wobble = int(bits & np.uint64(255)) + int((bits >> np.uint64(8)) & np.uint64(255))
                 bits >>= np.uint64(16)
-                exposed = image[row, column, k] * gain
+                exposed = ((1.0 - MIXED) * light[k] + grey) * gain
                 soft = exposed / (1.0 + 0.35 * exposed) * 1.35
                 value = 255.0 * np.sqrt(soft) + sigma * (wobble - 255)
                 out[row, column, k] = np.uint8(min(max(value + 0.5, 0.0), 255.0))

@@ -29,8 +29,9 @@ from placecue_office.plan_file import find_plan, read_plan
 from placecue_office.recorded import Drive, all_positions, find_poses, recorded_drive
 from placecue_office.world import BEAMS, PIXELS, WHEELS, Life, Recording, World
 
-#: Changes whenever the same parameters give other observations.
-VERSION = 2
+#: Of the world: changes whenever the same parameters give other observations, so that results
+#: on different ones are not compared. Figures of docs/benchmark.md are of this one.
+VERSION = 3
 
 #: What may be given as the pose.
 POSES = ("odometry", "truth")
@@ -85,7 +86,7 @@ class Office(Source):
     poses : str or None
         The recorded poses (``poses.csv.gz``); None looks in the folder ``PLACECUE_DATA``.
     clutter : int
-        How many small things stand about; two in ten are put elsewhere in each recording.
+        How many small things stand about; a third is put elsewhere in each recording.
     walkers : int
         How many people walk about.
     seated : float
@@ -206,10 +207,14 @@ class Office(Source):
 
     @property
     def metadata(self) -> Mapping[str, str]:  # type: ignore[override]
-        """What the recording is, so that sequences can be paired by rule."""
+        """What the recording is, so that sequences can be paired by rule.
+
+        Worlds of the same seed are the same within a version.
+        """
         return {
             "dataset": "office",
             "world": Path(self.world).stem,
+            "version": str(VERSION),
             "seed": str(self.seed),
             "illumination": self.illumination,
             "run": str(self.run),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from placecue_office.noise import Shade, fractal_noise, value_noise
+from placecue_office.walls import TALL, WIDE, brick, concrete, half_tiled, paint, woodchip
 
 Draw = Callable[[np.random.Generator, Shade, int], Shade]
 
@@ -28,11 +29,14 @@ class Surface:
         Width of one repeat, m.
     tall : float or None
         Height of one repeat, m; None makes it square.
+    finer : int
+        Times more pixels across than other surfaces have, a power of two.
     """
 
     draw: Draw
     metres: float
     tall: float | None = None
+    finer: int = 1
 
 
 def _shaded(colour: Shade, brightness: Shade) -> Shade:
@@ -41,17 +45,6 @@ def _shaded(colour: Shade, brightness: Shade) -> Shade:
 
 def _grain(rng: np.random.Generator, n: int) -> Shade:
     return rng.standard_normal((n, n))
-
-
-def paint(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
-    """Draw a painted wall, a whole storey tall: stains, roller marks, a skirting board."""
-    stains = 0.035 * fractal_noise(rng, n, n, 3, 4) + 0.02 * fractal_noise(rng, n, n, 48, 2)
-    wall = _shaded(colour, 1 + stains + 0.012 * _grain(rng, n))
-    height = np.linspace(2.7, 0, n)
-    wall[height < 0.5] *= (0.9 + 0.2 * height[height < 0.5])[:, None, None]
-    wall[height < 0.09] *= 0.45
-    wall[(height >= 0.09) & (height < 0.105)] *= 0.7
-    return wall
 
 
 def plain(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
@@ -145,7 +138,10 @@ def ceiling(rng: np.random.Generator, colour: Shade, n: int) -> Shade:
 
 
 SURFACES: dict[str, Surface] = {
-    "paint": Surface(paint, 3.2, 2.7),
+    **{
+        draw.__name__: Surface(draw, WIDE, TALL, finer=2)
+        for draw in (paint, woodchip, brick, half_tiled, concrete)
+    },
     "plain": Surface(plain, 1.5),
     "linoleum": Surface(linoleum, 1.6),
     "carpet": Surface(carpet, 1.3),

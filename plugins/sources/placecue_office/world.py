@@ -34,7 +34,10 @@ MARGINS = (0.005, 0.02, 0.04)
 ARRANGING, ROUTING, WHEELS, BEAMS, PIXELS, LIGHT, SEATS, CLOTHES, WALKS = range(9)
 
 #: What chance decides in a world, for all recordings of a time.
-SCATTERING, AGING = 100, 101
+SCATTERING, AGING, WEEKS, HOURS = 100, 101, 102, 103
+
+#: Drives with the same last digit were recorded close together, others weeks apart.
+DRIVES = 10
 
 #: Strides of a walker a second, and how far a foot is ahead, m.
 STRIDES, STRIDE = 0.9, 0.3
@@ -65,9 +68,9 @@ class Recording:
         """Return the generator of one purpose (and moment) of this recording."""
         return np.random.default_rng([self.seed, self.drive, purpose, *index])
 
-    def rng_of_world(self, purpose: int, half_year: int) -> np.random.Generator:
-        """Return a generator that all recordings of the world share."""
-        return np.random.default_rng([self.seed, purpose, half_year])
+    def rng_of_world(self, purpose: int, *time: int) -> np.random.Generator:
+        """Return a generator that all recordings of the world at a time share."""
+        return np.random.default_rng([self.seed, purpose, *time])
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +83,8 @@ class Life:
         How many small things stand about.
     moved : float
         Part of them that is put elsewhere from one recording to the next.
+    moved_in_weeks : float
+        Part of them that is put elsewhere from the recordings in one light to those in another.
     moved_later : float
         Part of them that is put elsewhere in half a year.
     added : int
@@ -93,9 +98,10 @@ class Life:
     """
 
     clutter: int = 15
-    moved: float = 0.2
+    moved: float = 0.35
+    moved_in_weeks: float = 0.25
     moved_later: float = 0.8
-    added: int = 4
+    added: int = 8
     box: tuple[float, float] = (0.35, 0.7)
     walkers: int = 2
     seated: float = 0.12
@@ -138,7 +144,7 @@ class World:
 
     @cached_property
     def _of_this_time(self) -> tuple[Plan, Floor, list[Furniture]]:
-        """The plan, its floor and the clutter on it, as all recordings of this time share them."""
+        """The plan, its floor and the clutter on it, as recordings of this time share them."""
         plan, clutter, life = self.drawn, Clutter(), self.life
         floor = Floor(plan, self.way, self.clear)
         rng = self.recording.rng_of_world(SCATTERING, 0)
@@ -149,7 +155,14 @@ class World:
             things = rescattered(things, life.moved_later, clutter, floor, rng)
             boxes = Clutter(sizes=life.box)
             things += boxes.scattered(floor, life.added, rng, first=1000 * half_year)
+        rng = self.recording.rng_of_world(WEEKS, *self._weeks)
+        things = rescattered(things, life.moved_in_weeks, clutter, floor, rng)
         return plan, floor, things
+
+    @property
+    def _weeks(self) -> tuple[int, int]:
+        """What recordings that are made close together share: half-year, and kind of drive."""
+        return self.recording.half_years, self.recording.drive % DRIVES
 
     @property
     def plan(self) -> Plan:
@@ -212,8 +225,9 @@ class World:
     @cached_property
     def ground(self) -> Ground:
         """Rooms and light by place."""
-        light = ILLUMINATIONS[self.recording.illumination]
-        return light_up(self.plan, self.blocks, self.geometry, light, self.recording.rng(LIGHT))
+        light, here = ILLUMINATIONS[self.recording.illumination], self.recording
+        usual = here.rng_of_world(HOURS, *self._weeks)
+        return light_up(self.plan, self.blocks, self.geometry, light, here.rng(LIGHT), usual)
 
     @cached_property
     def clearance(self) -> Clearance:

@@ -38,7 +38,7 @@ def scores(tally: Tally) -> None:
         print(f"{UNKNOWN}: {_percent(share)} % of all; of the others {_percent(right)} % are right")
     if any(count < tally.believed for count in tally.used.values()):
         shares = (f"{cue} {100 * n / tally.believed:.1f} %" for cue, n in tally.used.items())
-        print(f"cues used: {', '.join(shares)} of {tally.believed} observations")
+        print(f"cues used: {', '.join(shares)} of {tally.believed} observations, and scored there")
     if tally.unlabelled or tally.unusable:
         print(f"not scored: {tally.unlabelled} without a label, {tally.unusable} unusable")
 

@@ -55,17 +55,18 @@ class Tally:
             self._count(observation.label, belief)
 
     def _count(self, truth: str, belief: Belief) -> None:
-        if len(belief.cue_scores) > 1:
-            for cue, scores in belief.cue_scores.items():
-                self.counts[cue][truth, str(scores.decide().labels[0])] += 1
+        for cue, scores in belief.cue_scores.items():
+            self.counts[cue][truth, str(scores.decide().labels[0])] += 1
         self.counts[INTEGRATED][truth, belief.label] += 1
 
     @property
     def methods(self) -> list[str]:
-        """The cues, and ``integrated`` last."""
-        return [method for method in self.counts if method != INTEGRATED] + (
-            [INTEGRATED] if self.counts else []
-        )
+        """The cues, where there are two or more, and ``integrated`` last.
+
+        A cue is counted wherever it was asked.
+        """
+        cues = [method for method in self.counts if method != INTEGRATED]
+        return (cues if len(cues) > 1 else []) + ([INTEGRATED] if self.counts else [])
 
     def classes(self) -> list[str]:
         """Return the classes that occur as truth, sorted."""

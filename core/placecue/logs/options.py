@@ -30,6 +30,9 @@ class LogOptions(Source):
         How late a message may be written against others of the same time, s.
     pose_gap : float
         How far apart two poses may be to interpolate between them, s.
+    silence : float or None
+        Where the camera is silent so long, and five times the usual distance of its images, scans
+        make the observations, s; None: images always do, and what is seen between them is lost.
     base_frame : str, optional
         The robot's own frame; base_link, base_footprint or base by default.
     laser_frame : str, optional
@@ -54,6 +57,7 @@ class LogOptions(Source):
     tolerance: float = 0.1
     window: float = 1.0
     pose_gap: float = 1.0
+    silence: float | None = 1.0
     base_frame: str | None = None
     laser_frame: str | None = None
     pose_frame: str | None = None

@@ -24,6 +24,7 @@ from placecue.logs.joining.items import TopicReader
 from placecue.logs.joining.labels import Intervals
 from placecue.logs.joining.mounting import Mounting
 from placecue.logs.joining.reading import Reading
+from placecue.logs.joining.silence import Silence, silence_of
 from placecue.logs.joining.topics import Choice
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.geometry import TransformTree
@@ -98,6 +99,16 @@ class McapLog(LogOptions):
         return "image" if image is not None and image.topics else "scan"
 
     @cached_property
+    def camera_silence(self) -> Silence | None:
+        """When the camera counts as silent, so that scans make the observations; None for never."""
+        scans = self.choices.get("scan")
+        if self.driver == "scan" or self.silence is None or scans is None or not scans.topics:
+            return None
+        camera = self.choices["image"].topic
+        assert camera is not None  # or it would not drive
+        return silence_of(self.file, camera, self.silence)
+
+    @cached_property
     def intervals(self) -> Intervals | None:
         """The labels beside the log."""
         return None if self.labels is None else Intervals.from_csv(self.labels)
@@ -144,7 +155,7 @@ class McapLog(LogOptions):
     def count(self) -> int | None:
         """Return the number of images, or of scans where there are no images, if it is known."""
         topic = self.choices[self.driver].topic
-        whole = self.start is None and self.end is None
+        whole = self.start is None and self.end is None and self.camera_silence is None
         return topic.count if topic is not None and whole else None
 
     # How.
@@ -162,6 +173,8 @@ class McapLog(LogOptions):
         images = any(topics.role_of(each) == "image" for each in self.topics)
         if images and self.driver == "scan":
             options["driver"] = "scan"  # another choice of parts would have taken the images
+        if self.camera_silence is not None:
+            options["silence"] = self.silence  # another choice of parts has images alone
         if not options:
             return content
         return hashlib.sha256((content + json.dumps(options, sort_keys=True)).encode()).hexdigest()
@@ -173,7 +186,10 @@ class McapLog(LogOptions):
     def _reading(self) -> Reading:
         readers = [reader for part in self.choices for reader in self._readers(part)]
         spans = (self.tolerance, self.window, self.pose_gap)
-        return Reading(self.file, self.driver, readers, self.intervals, *spans, *self._span())
+        span, silence = self._span(), self.camera_silence
+        return Reading(
+            self.file, self.driver, readers, self.intervals, *spans, *span, silence=silence
+        )
 
     def _readers(self, part: Part) -> list[TopicReader]:
         chosen = self._read(part)

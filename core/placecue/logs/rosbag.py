@@ -19,7 +19,7 @@ class RosbagLog(McapLog):
     path : str
         A ROS 1 bag (``.bag``), the folder of a ROS 2 bag, or its storage file (``.db3``).
     image_topic, scan_topic, pose_topic, label_topic, labels, parts, tolerance, window, pose_gap, \
-base_frame, laser_frame, pose_frame, range_max, transform_horizon, start, end
+silence, base_frame, laser_frame, pose_frame, range_max, transform_horizon, start, end
         See :class:`LogOptions`.
     distribution : str
         ROS 2 distribution whose message definitions stand in where the bag has none, as sqlite3

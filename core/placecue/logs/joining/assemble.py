@@ -41,7 +41,7 @@ class Assembler:
         driver = self._value(match.driver)
         if driver is None:
             return None
-        images = self.driver == "image"
+        images = match.driver.role == "image"
         return Observation(
             match.driver.stamp,
             image=driver if images else None,

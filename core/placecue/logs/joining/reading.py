@@ -10,6 +10,7 @@ from placecue.faults import Faults
 from placecue.logs.joining.assemble import Assembler
 from placecue.logs.joining.items import Item, TopicReader
 from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.silence import Silence
 from placecue.logs.joining.synchronise import Match, Synchroniser
 from placecue.logs.mcap.container import LogFile
 from placecue.observation import Observation, Part
@@ -32,6 +33,8 @@ class Reading:
         See :class:`McapLog`, s.
     since, until : int or None
         First log time to read, and the one to stop before, ns.
+    silence : Silence or None
+        When the camera counts as silent, so that scans make the observations.
 
     Attributes
     ----------
@@ -50,6 +53,8 @@ class Reading:
         pose_gap: float,
         since: int | None = None,
         until: int | None = None,
+        *,
+        silence: Silence | None = None,
     ) -> None:
         self.file = file
         self.readers = {number: reader for reader in readers for number in reader.topic.channels}
@@ -59,7 +64,7 @@ class Reading:
         roles = {reader.role for reader in readers}
         followers: list[Part] = [p for p in ("scan", "pose") if p != driver and p in roles]
         spans = (round(seconds * 1e9) for seconds in (tolerance, window, pose_gap))
-        self._synchroniser = Synchroniser(driver, followers, *spans)
+        self._synchroniser = Synchroniser(driver, followers, *spans, silence=silence)
         self._assembler = Assembler(driver, followers, intervals, self.faults)
 
     def observations(self) -> Iterator[Observation]:
@@ -89,6 +94,9 @@ class Reading:
         if synchroniser.jumps:
             kind = f"jumps back in the time of {drivers}, which is not in order there"
             self.faults.add(kind, at["jump"], synchroniser.jumps)
+        if synchroniser.stood_in:
+            kind = "observations are of scans alone, where the camera was silent"
+            self.faults.add(kind, at["stood in"], synchroniser.stood_in)
         if synchroniser.repeated:
             kind = f"{drivers} have the stamp of the one before"
             self.faults.add(kind, at["repeated"], synchroniser.repeated)

@@ -10,6 +10,7 @@ from math import pi
 
 from placecue.logs.joining.clock import Clock
 from placecue.logs.joining.items import Item
+from placecue.logs.joining.silence import Silence
 from placecue.observation import Part, Pose2D
 
 #: So few items of a topic are kept, however old they are.
@@ -76,7 +77,7 @@ class Match:
     Parameters
     ----------
     driver : Item
-        The image, or the scan where there are no images; its time is that of the observation.
+        The image, or the scan where there are none; its time is that of the observation.
     scan : Item or None
         The nearest scan within the tolerance.
     poses : tuple of Item
@@ -98,6 +99,7 @@ class Synchroniser:
     every follower has got as far as its own time, but no longer than the window. Where the clock
     of the drivers jumps back by more than the window, matches go on from there: what waits is
     given first, what followers hold of the time after it is forgotten, and the label stays.
+    Where images drive and the camera is silent, scans drive, at the usual distance of images.
 
     Parameters
     ----------
@@ -111,6 +113,8 @@ class Synchroniser:
         How late items may come, ns.
     pose_gap : int
         How far apart two poses may be to interpolate between them, ns.
+    silence : Silence or None
+        When the drivers count as silent; None: scans never stand in.
 
     Attributes
     ----------
@@ -120,12 +124,21 @@ class Synchroniser:
         How often the clock of the drivers jumped.
     repeated : int
         How many drivers have the stamp of the one before.
+    stood_in : int
+        How many scans stood in for images.
     first : dict of str to int
-        Where ``late``, ``jump`` and ``repeated`` were first seen, ns.
+        Where ``late``, ``jump``, ``repeated`` and ``stood in`` were first seen, ns.
     """
 
     def __init__(
-        self, driver: Part, followers: Iterable[Part], tolerance: int, window: int, pose_gap: int
+        self,
+        driver: Part,
+        followers: Iterable[Part],
+        tolerance: int,
+        window: int,
+        pose_gap: int,
+        *,
+        silence: Silence | None = None,
     ) -> None:
         self.driver = driver
         self.followers = tuple(followers)
@@ -135,11 +148,16 @@ class Synchroniser:
         self.late = 0
         self.jumps = 0
         self.repeated = 0
+        self.stood_in = 0
         self.first: dict[str, int] = {}
         self._clock = Clock(window)
         self._tracks: dict[str, Track] = {part: Track() for part in (*self.followers, "label")}
         self._waiting: list[tuple[int, int, Item]] = []  # stamp, running number, driver
         self._number = 0
+        self._silence = silence
+        self._idle: list[Item] = []  # scans since the last image, which may come to stand in
+        self._quiet: int | None = None  # since when there is no image: the last one
+        self._taken: int | None = None  # the last image, or scan that stood in
         self._last: int | None = None
 
     def push(self, item: Item) -> Iterator[Match]:
@@ -149,18 +167,58 @@ class Synchroniser:
             self._leave_out(tick.late)
             if tick.since is not None:
                 yield from self._jump(tick.since, tick.wild)
+            if tick.items and self._silence is not None:
+                self._seen_again(max(each.stamp for each in tick.items), self._silence)
             for each in tick.items:
-                heapq.heappush(self._waiting, (each.stamp, self._number, each))
-                self._number += 1
+                self._wait(each)
         else:
             self._tracks[item.role].add(item)
+            if item.role == "scan" and self._silence is not None:
+                self._stand_in(item, self._silence)
         while self._waiting and self._ready(self._waiting[0][0], item.stamp):
             yield from self._pop()
         self._forget(item.stamp)
 
+    def _wait(self, item: Item) -> None:
+        heapq.heappush(self._waiting, (item.stamp, self._number, item))
+        self._number += 1
+
+    def _stand_in(self, scan: Item, silence: Silence) -> None:
+        """Take in a scan that may have to stand in, and let those before it wait if they have to.
+
+        The newest is held back: an image of its time may follow.
+        """
+        if self._quiet is None:
+            self._quiet = scan.stamp
+        # A little less than the period: scans do not come just when images would.
+        before = self._idle[-1].stamp if self._idle else self._taken
+        if before is not None and scan.stamp - before < 0.75 * silence.period:
+            return
+        self._idle.append(scan)
+        if scan.stamp - self._quiet >= silence.after:
+            self._stood_in(self._idle[:-1])
+            del self._idle[:-1]
+
+    def _seen_again(self, image: int, silence: Silence) -> None:
+        """Let the scans wait that stood in until an image came, but for those of its time."""
+        if self._quiet is not None and image - self._quiet >= silence.after:
+            self._stood_in([s for s in self._idle if image - s.stamp >= silence.period / 2])
+        self._idle.clear()
+        self._quiet = self._taken = image
+
+    def _stood_in(self, scans: list[Item]) -> None:
+        for scan in scans:
+            self._wait(scan)
+            self._taken = scan.stamp
+            self.stood_in += 1
+            self.first.setdefault("stood in", scan.stamp)
+
     def finish(self) -> Iterator[Match]:
         """Yield the matches of the drivers that still wait."""
         self._leave_out(self._clock.finish())
+        if self._idle and self._silence is not None and self._quiet is not None:
+            silent = self._idle[-1].stamp - self._quiet >= self._silence.after
+            self._stood_in(self._idle if silent else [])
         while self._waiting:
             yield from self._pop()
 
@@ -173,6 +231,8 @@ class Synchroniser:
         """Go on at an earlier time."""
         self.jumps += 1
         self.first.setdefault("jump", since)
+        self._idle.clear()
+        self._quiet = self._taken = None
         if not wild:
             while self._waiting:
                 yield from self._pop()
@@ -197,7 +257,7 @@ class Synchroniser:
             self.repeated += 1
             self.first.setdefault("repeated", stamp)
         self._last = stamp
-        scan = self._tracks.get("scan")
+        scan = self._tracks.get("scan") if item.role == self.driver else None
         yield Match(
             item,
             None if scan is None else scan.nearest(stamp, self.tolerance),

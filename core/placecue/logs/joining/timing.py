@@ -33,7 +33,7 @@ def largest_gaps(file: LogFile, topics: Sequence[Topic]) -> dict[str, Gap]:
     of = {number: topic.name for topic in topics for number in topic.channels}
     newest: dict[str, int] = {}
     gaps: dict[str, Gap] = {}
-    for stamps in _stamps(file):
+    for stamps in message_times(file):
         for name, times in _by_name(stamps, of).items():
             for time in sorted(times):
                 before = newest.get(name, time)
@@ -52,7 +52,7 @@ def _by_name(stamps: Mapping[int, list[int]], of: Mapping[int, str]) -> dict[str
     return found
 
 
-def _stamps(file: LogFile) -> Iterator[dict[int, list[int]]]:
+def message_times(file: LogFile) -> Iterator[dict[int, list[int]]]:
     """Yield log times by channel, those of one chunk or one message together."""
     chunks = sorted(file.contents.chunks, key=lambda chunk: chunk.message_start_time)
     if chunks and all(chunk.message_index_offsets for chunk in chunks):

@@ -1,0 +1,58 @@
+"""Where a camera is silent: scans make the observations there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from placecue.logs.joining.timing import message_times
+from placecue.logs.mcap.container import LogFile, Topic
+
+#: A camera is silent where it leaves out so many images.
+LEFT_OUT = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """When a camera counts as silent.
+
+    Parameters
+    ----------
+    after : int
+        So long after its last image, ns.
+    period : int
+        How far apart its images are else, ns; observations of scans are no closer.
+    """
+
+    after: int
+    period: int
+
+
+def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
+    """Return when a camera counts as silent; None if it never is.
+
+    By log time, from the index of the messages; a file without one is read through.
+
+    Parameters
+    ----------
+    file : LogFile
+        The log.
+    camera : Topic
+        The images.
+    least : float
+        A camera is silent after so long, and five times the usual distance of its images, s.
+    """
+    channels = set(camera.channels)
+    found = [t for times in message_times(file) for c, t in times.items() if c in channels]
+    stamps = np.sort(np.array([each for times in found for each in times], dtype=np.int64))
+    contents = file.contents
+    if not len(stamps):
+        return Silence(round(least * 1e9), 0)
+    steps = np.diff(stamps)
+    period = int(np.median(steps)) if len(steps) else 0
+    after = max(round(least * 1e9), LEFT_OUT * period)
+    ends = np.array([contents.start, contents.end], dtype=np.int64)
+    outside = (stamps[0] - ends[0], ends[1] - stamps[-1])
+    longest = max(int(steps.max(initial=0)), *map(int, outside))
+    return Silence(after, period) if longest >= after else None

@@ -315,7 +315,7 @@ def curtain(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:
     sag = fractal_noise(rng, h, w, 2, 3)
     image = _base(rng, colour, h, w, 0.05) * (1 + 0.45 * folds[None, :] + 0.08 * sag)[..., None]
     _fill(image, (0.0, 0.0, 0.03, 1.0), 95.0)
-    return np.clip(image, 0, 255)
+    return np.asarray(np.clip(image, 0, 255))
 
 
 def lamp(rng: np.random.Generator, colour: Shade, h: int, w: int) -> Shade:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from placecue.progress import track
 from placecue.scores import Layout, Scores
 from placecue.training_set import TrainingSet
 
+if TYPE_CHECKING:
+    from placecue.learning.samples import Which
+
 
 class CueModel:
     """What one cue says of a place.
@@ -31,11 +34,17 @@ class CueModel:
         Turns observations into features.
     classifier : Classifier
         Turns features into scores.
+
+    Attributes
+    ----------
+    trained_on : Which or None
+        The samples that it was trained on, where that is known; not saved with a model.
     """
 
     def __init__(self, cue: Cue, classifier: Classifier) -> None:
         self.cue = cue
         self.classifier = classifier
+        self.trained_on: Which | None = None
 
     @classmethod
     def of(cls, model: CueModel | tuple[Cue, Classifier]) -> CueModel:

@@ -131,7 +131,7 @@ class StoredEvidence(Evidence):
         return tuple(cue for cue in self.cues if self._scores[cue][[row]].available().all())
 
     def take(self, rows: Some) -> StoredEvidence:  # noqa: D102
-        some = np.arange(len(self))[np.asarray(rows)]
+        some = _some(rows, len(self))
         scores = {cue: of_cue[some] for cue, of_cue in self._scores.items()}
         return StoredEvidence(scores, self.trained_on()[some])
 
@@ -228,7 +228,8 @@ class ObservedEvidence(Evidence):
         return there
 
     def used(self, row: int) -> tuple[str, ...]:  # noqa: D102
-        return tuple(cue for cue, values in self._values.items() if not np.isnan(values[row]).any())
+        asked = (cue for cue in self.cues if cue in self._values)
+        return tuple(cue for cue in asked if not np.isnan(self._values[cue][row]).any())
 
     def scores_at(self, row: int) -> dict[str, Scores]:
         """Return the scores of one observation that are there so far, one row a cue."""
@@ -256,7 +257,7 @@ class ObservedEvidence(Evidence):
         return self.reason(row)
 
     def take(self, rows: Some) -> Evidence:  # noqa: D102
-        return _View(self, self.cues, np.arange(len(self))[np.asarray(rows)])
+        return _View(self, self.cues, _some(rows, len(self)))
 
     def only(self, cues: Sequence[str]) -> Evidence:  # noqa: D102
         return _View(self, cues, np.arange(len(self)))
@@ -293,7 +294,7 @@ class _View(Evidence):
         return tuple(cue for cue in used if cue in self.cues)
 
     def take(self, rows: Some) -> Evidence:
-        return _View(self._whole, self.cues, self._rows[np.asarray(rows)])
+        return _View(self._whole, self.cues, self._rows[_some(rows, len(self))])
 
     def only(self, cues: Sequence[str]) -> Evidence:
         return _View(self._whole, [self._here(cue) for cue in cues], self._rows)
@@ -302,6 +303,11 @@ class _View(Evidence):
         if cue not in self.cues:
             raise UsageError(f"there is no cue '{cue}'; {choices(cue, self.cues)}")
         return cue
+
+
+def _some(rows: Some, n: int) -> Rows:
+    """Return the numbers of some of n observations."""
+    return np.arange(n)[np.asarray(rows)] if len(rows) else np.empty(0, dtype=np.int64)
 
 
 def concatenate(parts: Sequence[Evidence]) -> StoredEvidence:

@@ -47,6 +47,15 @@ class HeldOut:
     part: bool = False
     costs: Mapping[str, float] | None = None
 
+    def __post_init__(self) -> None:
+        n = len(self.evidence)
+        for name in ("labels", "stamps", "groups"):
+            values = getattr(self, name)
+            if values is not None and len(values) != n:
+                raise DataError(
+                    f"{len(values)} {name} for the evidence of {n} samples: give one a sample"
+                )
+
     def __len__(self) -> int:
         return len(self.labels)
 

@@ -27,6 +27,9 @@ class Integrator(Estimator, ABC):
     gaps : bool
         Whether it copes itself where some samples lack a cue. If not, a copy of it is fitted for
         each set of cues, and sees only samples that have them all; see :class:`placecue.Schemes`.
+    fits_alone : bool
+        Whether a copy is fitted for each single cue, too; else a cue that is left alone is told in
+        the layout of all as it is.
     wants_costs : bool
         Whether it is to be told what each cue costs (``held_out.costs``).
     trade_off_ : dict of str to list
@@ -37,6 +40,7 @@ class Integrator(Estimator, ABC):
 
     version: ClassVar[str] = "1"
     gaps: ClassVar[bool] = False
+    fits_alone: ClassVar[bool] = False
     wants_costs: ClassVar[bool] = False
 
     def check_cues(self, cues: Sequence[str]) -> None:

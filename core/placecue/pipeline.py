@@ -38,7 +38,7 @@ from placecue.learning.judging import (
     judged_by_integrators,
 )
 from placecue.learning.rejection import Rejection, Unknown, choose_threshold
-from placecue.learning.samples import Samples, Which
+from placecue.learning.samples import Samples
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
 from placecue.schemes import Cues, Schemes, sets_of
@@ -126,7 +126,6 @@ class Pipeline:
         self.rejection_: Rejection | None = None
         self.held_out_: HeldOut | None = None
         self.judged_: list[Judged] | None = None
-        self._trained_on: Which | None = None
 
     # ------------------------------------------------------------------ one observation
 
@@ -345,7 +344,7 @@ class Pipeline:
         """
         for name, model in track(self.cues.items(), "training", len(self.cues)):
             model.fit(samples.training_set(name, model.cue))
-        self._trained_on = samples.which()
+            model.trained_on = samples.which()
         return self
 
     def held_out(self, samples: Samples) -> HeldOut:
@@ -414,8 +413,9 @@ class Pipeline:
             else:
                 scored = model.tried(found.features, skip=self.skips)
             scores[name] = scored.spread(found.rows, len(samples))
-        known = self._trained_on
-        return StoredEvidence(scores, None if known is None else samples.which().among(known))
+        known = [model.trained_on for model in self.cues.values() if model.trained_on is not None]
+        seen = [samples.which().among(each) for each in known]
+        return StoredEvidence(scores, np.logical_or.reduce(seen) if seen else None)
 
     def _with_some(self, samples: Samples, evidence: StoredEvidence) -> HeldOut | None:
         """Return the samples with scores of a cue or more; None where there is none."""

@@ -91,13 +91,14 @@ class Schemes:
     def of(self, cues: Sequence[str]) -> Cues:
         """Return the largest set with a scheme among some cues, the first of equals; or none."""
         there = set(cues)
-        alone = [] if self.layout is None else [(cue,) for cue in cues]
+        told = self.layout is not None and not self.full.fits_alone
+        alone = [(cue,) for cue in cues] if told else []
         fitting = [some for some in [*self.by_cues, *alone] if there.issuperset(some)]
         return max(fitting, key=len, default=())
 
     def _tells(self, cues: Cues, having: HeldOut) -> bool:
         """Tell whether what some cues say can be told in the layout without an integrator."""
-        if len(cues) > 1 or self.layout is None:
+        if len(cues) > 1 or self.layout is None or self.full.fits_alone:
             return False
         return having.evidence.scores(cues[0])[:1].told_in(self.layout) is not None
 
@@ -146,6 +147,8 @@ class Schemes:
                     part = _part(evidence, cues, of_set)
                     found, wrong = self._integrated(cues, part, some, skip)
                     failed |= {int(of_set[row]): error for row, error in wrong.items()}
+                    # Where it failed at every one there is nothing that has its layout.
+                    found = None if len(wrong) == len(of_set) else found
                 scores = self._placed(scores, found, of_set, len(evidence))
             # What was extracted may be unusable: such rows are asked about again, without it.
             before, known = known, evidence.known()

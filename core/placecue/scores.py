@@ -331,8 +331,8 @@ class Scores:
     def told_in(self, layout: Layout) -> Scores | None:
         """Return scores of another layout that say the same, None where they cannot be told in it.
 
-        Labels and ranking stay; so does the confidence where the other layout's is a lead over the
-        runner-up in the same unit.
+        Labels stay, and the ranking except in a decision list; so does the confidence where the
+        other layout's is a lead over the runner-up in the same unit.
 
         Parameters
         ----------

@@ -234,6 +234,10 @@ def test_so_they_are_step_by_step() -> None:
     with pytest.raises(UsageError, match="trained on 320 of the 320"):
         made.fit_integrator(held_out)
     made.fit_integrator(held_out, force_training_scores=True)
+    other = Pipeline(made.cues, SVMDAS(SVM(RBF(0.3))))  # the same models
+    again = HeldOut(other.evidence_of(samples), samples.labels, samples.stamps)
+    with pytest.raises(UsageError, match="trained on 320 of the 320"):
+        other.fit_integrator(again)
     made.fit_integrator(made.held_out(samples))
     others = made.collect(Walk(seed=3))
     assert not made.evidence_of(others).trained_on().any()

@@ -318,3 +318,36 @@ def test_costs_are_measured_and_a_model_is_the_same(tmp_path: Path) -> None:
     for a, b in zip(made.beliefs(log, 16), loaded.beliefs(log, 16), strict=True):
         assert a.cues_used == b.cues_used
         np.testing.assert_array_equal(a.scores.values, b.scores.values)
+
+
+def test_five_cues_have_schemes_for_every_beginning() -> None:
+    held_out = some_evidence(80, a=0.4, b=0.4, c=0.4, d=0.4, e=0.4)
+    made = Confidence(Sum()).train(held_out)
+    assert made.cues_ == list("abcde")
+    assert list("abc") in made.sets_
+    assert made.integrate(held_out.evidence).available().all()
+    some = made.integrate(held_out.evidence.only(list("abcde")).take([0, 1]))
+    assert some.available().all()
+
+
+def test_confidence_does_not_stand_inside_itself() -> None:
+    with pytest.raises(UsageError, match="cannot stand inside itself"):
+        Confidence(Confidence(Sum())).train(some_evidence(laser=0.4))
+
+
+@pytest.mark.parametrize("part", ["labels", "stamps"])
+def test_lengths_must_fit(part: str) -> None:
+    held_out = some_evidence(laser=0.4, crfh=0.4)
+    about = {"labels": held_out.labels, "stamps": held_out.stamps}
+    assert about[part] is not None
+    about[part] = about[part][:-5]
+    with pytest.raises(DataError, match=f"395 {part} for the evidence of 400 samples"):
+        Confidence(Sum()).fit(held_out.evidence, **about)
+
+
+def test_the_curve_holds_what_is_worth_its_cost() -> None:
+    held_out = costing(some_evidence(laser=0.5, crfh=0.5, sift=0.5), laser=1, crfh=10, sift=80)
+    curve = Confidence(Sum(), order=["laser", "crfh", "sift"]).train(held_out).trade_off_
+    assert sum(curve["chosen"]) == 1
+    assert np.all(np.diff(curve["cost"]) > 0)
+    assert np.all(np.diff(curve["balanced_accuracy"][:-1]) > 0)

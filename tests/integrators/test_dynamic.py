@@ -76,6 +76,7 @@ def certainties(logs: np.ndarray) -> np.ndarray:
 def test_the_formula_by_hand() -> None:
     dynamic = Dynamic()
     dynamic.cues_ = ["camera", "laser"]
+    dynamic.layouts_ = [LAYOUT, OneAgainstAll(CLASSES)]
     dynamic.slopes_, dynamic.scales_ = np.array([2.0, 3.0]), np.array([4.0, 1.0])
     dynamic.biases_ = np.array([[0, 0, 0, np.log(3)], [0, 0, 0, 0]])
     dynamic.weights_ = np.array([[0.5, 1.5], [2.0, 0.25]])

@@ -117,9 +117,19 @@ def test_rules_take_evidence_of_some_of_the_cues_as_if_the_others_were_missing(
     found = fitted.integrate(StoredEvidence({"crfh": both["crfh"]}))
     assert found.layout == expected.layout
     assert np.array_equal(found.values, expected.values)
-    said = r"^there is no evidence of any of the cues crfh, laser; available: sonar$"
+    said = r"^there is evidence of cue 'sonar', and the integrator was fitted on crfh, laser: give"
     with pytest.raises(UsageError, match=said):
         fitted.integrate(StoredEvidence({"sonar": both["crfh"]}))
+
+
+@pytest.mark.parametrize("kind", [Vote, Dynamic])
+def test_other_layouts_than_those_fitted_on_are_refused(kind: type[Integrator]) -> None:
+    fitted = kind().fit(
+        StoredEvidence({"crfh": probabilities(), "laser": probabilities()}), labels()
+    )
+    other = Scores(probabilities().values, OneAgainstAll(CLASSES))
+    with pytest.raises(UsageError, match=r"scores of cue 'laser' are OneAgainstAll.*fitted on"):
+        fitted.integrate(StoredEvidence({**both, "laser": other}))
 
 
 def test_votes_that_count_nothing_tell_nothing_alone() -> None:

@@ -65,6 +65,8 @@ def draw_trade_off(curve: Curve, path: str | Path) -> Path:
     share.set_ylabel("used for (% of samples)")
     share.set_xlabel("mean cost of a sample (ms)")
     share.set_ylim(-4, 104)
+    if cost[-1] > 5 * cost[0] > 0:
+        share.set_xscale("log")
     share.legend(loc="center right", frameon=False)
     for axes in (rate, share):
         axes.spines[["top", "right"]].set_visible(False)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue import DataError, Evidence, choices
+from placecue import DataError, Evidence, Layout, UsageError, choices
 
 
 def common_classes(evidence: Evidence, cues: Sequence[str]) -> tuple[str, ...]:
@@ -32,6 +32,17 @@ def common_classes(evidence: Evidence, cues: Sequence[str]) -> tuple[str, ...]:
             "all cues on samples of the same classes"
         )
     return classes
+
+
+def check_layouts(evidence: Evidence, cues: Sequence[str], layouts: Sequence[Layout]) -> None:
+    """Raise UsageError unless cues have scores of the layouts that were fitted on."""
+    for cue, layout in zip(cues, layouts, strict=True):
+        other = evidence.layout(cue) if cue in evidence.cues else layout
+        if other is not layout and other != layout:
+            raise UsageError(
+                f"the scores of cue '{cue}' are {other}, and the integrator was fitted on "
+                f"{layout}: give it scores of the models that it was fitted with"
+            )
 
 
 def class_codes(labels: Any, evidence: Evidence, classes: Sequence[str]) -> NDArray[np.int64]:

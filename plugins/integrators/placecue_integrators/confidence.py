@@ -103,6 +103,11 @@ class Confidence(Integrator):
             check_number("confidence accuracy", self.accuracy, above=0, most=1)
         if self.budget is not None:
             check_number("confidence budget", self.budget, above=0)
+        if isinstance(self.integrator, Confidence):
+            raise UsageError(
+                "confidence cannot stand inside itself: give it an integrator that joins cues, "
+                "such as gdas"
+            )
         if self.accuracy is not None and self.budget is not None:
             raise UsageError("confidence takes an accuracy or a budget, not both: leave one out")
 
@@ -144,16 +149,19 @@ class Confidence(Integrator):
             raise UsageError("confidence needs an integrator, such as integrator={plugin: gdas}")
         self._order(held_out)
         ordered = held_out.only(self.cues_)
-        sets = sets_of(self.cues_)
+        prefixes = [tuple(self.cues_[:n]) for n in range(1, len(self.cues_))]
+        sets = sets_of(self.cues_, prefixes)
         base = clone(self.integrator)
         schemes = Schemes.fit(base, ordered, sets)
-        self.sets_ = [list(cues) for cues in sets]
+        # Of many cues there are not all sets; a set needs schemes for its own beginnings.
+        staged = [s for s in sets if all(s[:n] in sets for n in range(1, len(s)))]
+        self.sets_ = [list(cues) for cues in staged]
         self.fitted_sets_ = [list(cues) for cues in schemes.by_cues]
         self.schemes_ = list(schemes.by_cues.values())
         self.layout_ = schemes.layout
         unseen = self._out_of_fold(ordered, base, sets)
-        self.thresholds_ = np.full((len(sets), max(len(self.cues_) - 1, 1)), np.nan)
-        for row, cues in enumerate(sets):
+        self.thresholds_ = np.full((len(staged), max(len(self.cues_) - 1, 1)), np.nan)
+        for row, cues in enumerate(staged):
             stages = self._stages(unseen, ordered.labels, cues)
             found = self._thresholds(stages, full=row == 0)
             self.thresholds_[row, : len(found)] = found
@@ -337,13 +345,29 @@ def _rates(stages: Stages, best: float) -> NDArray[np.float64]:
     return np.linspace(best, min(first, best), POINTS)
 
 
+def _worth(
+    stages: Stages, points: Sequence[Sequence[float]], chosen: Sequence[float]
+) -> list[list[float]]:
+    """Return the points that no cheaper one is as good as, those of all cues and the chosen."""
+    kept: list[list[float]] = []
+    best = -1.0
+    never = [np.inf] * len(chosen)
+    for each in sorted(map(list, points), key=lambda p: (stages.cost(p), -stages.rate(p))):
+        better = stages.rate(each) > best + 1e-12
+        if (better or each in (never, list(chosen))) and each not in kept:
+            kept.append(each)
+        best = max(best, stages.rate(each))
+    same = [k for k in kept if k != list(chosen) and stages.cost(k) == stages.cost(chosen)]
+    return [each for each in kept if each not in same]
+
+
 def _trade_off(stages: Stages, cues: Cues, chosen: Sequence[float]) -> dict[str, list[Any]]:
     """Return the curve of accuracy over cost, with the chosen thresholds among its points."""
     never = [np.inf] * (len(cues) - 1)
     points = [stages.thresholds(rate) for rate in _rates(stages, stages.rate(never))]
     points = [never, *points, list(chosen), [ALWAYS] * (len(cues) - 1)]
-    unique = [list(each) for each in dict.fromkeys(map(tuple, points))]
-    unique.sort(key=stages.cost)
+    worth = _worth(stages, points, chosen)
+    unique = sorted(worth, key=stages.cost)
     shares = [stages.shares(each) for each in unique]
     return {
         "cost": [stages.cost(each) for each in unique],

@@ -8,8 +8,16 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from placecue import DataError, Evidence, Integrator, Probabilities, Scores, check_number
-from placecue_integrators.agreement import class_codes, common_classes
+from placecue import (
+    DataError,
+    Evidence,
+    Integrator,
+    Probabilities,
+    Scores,
+    check_flag,
+    check_number,
+)
+from placecue_integrators.agreement import check_layouts, class_codes, common_classes
 from placecue_integrators.calibrated import Calibration, certainty, class_evidence
 from placecue_integrators.log_linear import fitted_weights, log_softmax
 
@@ -45,6 +53,8 @@ class Dynamic(Integrator):
     ----------
     cues_ : list of str
         The T cues, in the order of what follows.
+    layouts_ : list of Layout
+        Those of their scores.
     slopes_, scales_ : ndarray of float64, shape (T,)
         Of each cue's calibration; see :class:`placecue_integrators.calibrated.Calibration`.
     biases_ : ndarray of float64, shape (T, M)
@@ -64,6 +74,7 @@ class Dynamic(Integrator):
 
     def check_parameters(self) -> None:  # noqa: D102
         check_number("penalty", self.penalty, above=0, below=np.inf)
+        check_flag("per_sample", self.per_sample)
 
     def fit(self, evidence: Evidence, labels: ArrayLike, stamps: ArrayLike | None = None) -> Self:
         """Learn from scores that the single-cue models have not been trained on.
@@ -79,6 +90,7 @@ class Dynamic(Integrator):
         self.check_parameters()
         self.cues_ = list(evidence.cues)
         classes = common_classes(evidence, self.cues_)
+        self.layouts_ = [evidence.layout(cue) for cue in self.cues_]
         codes = class_codes(labels, evidence, classes)
         speaks, rows = self._complete(evidence)
         codes = codes[rows]
@@ -92,7 +104,8 @@ class Dynamic(Integrator):
 
     def integrate(self, evidence: Evidence) -> Scores:
         """Return the probabilities of n observations, shape (n, M); NaN where a cue is missing."""
-        layout = Probabilities(common_classes(evidence, self.cues_))
+        check_layouts(evidence, self.cues_, self.layouts_)
+        layout = Probabilities(self.layouts_[0].classes)
         speaks, rows = self._complete(evidence)
         values = np.full((len(evidence), len(layout.classes)), np.nan)
         if rows.size:

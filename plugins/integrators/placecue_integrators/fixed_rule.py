@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue import Evidence, Integrator, UsageError
-from placecue_integrators.agreement import class_codes, common_classes
+from placecue_integrators.agreement import check_layouts, class_codes, common_classes
 
 
 class FixedRule(Integrator, ABC):
@@ -24,6 +24,8 @@ class FixedRule(Integrator, ABC):
         True: takes evidence in which cues are missing for some samples.
     cues_ : list of str
         The cues, in the order in which they are joined.
+    layouts_ : list of Layout
+        Those of their scores.
     """
 
     gaps: ClassVar[bool] = True
@@ -41,18 +43,20 @@ class FixedRule(Integrator, ABC):
         self.check_parameters()
         self.cues_ = list(evidence.cues)
         classes = common_classes(evidence, self.cues_)
+        self.layouts_ = [evidence.layout(cue) for cue in self.cues_]
         self._learn(evidence, class_codes(labels, evidence, classes))
         return self
 
     def _here(self, evidence: Evidence) -> list[str]:
         """Return the cues that there is evidence of: it may be of a cue or of all."""
-        here = [cue for cue in self.cues_ if cue in evidence.cues]
-        if not here:
+        foreign = [cue for cue in evidence.cues if cue not in self.cues_]
+        if foreign:
             raise UsageError(
-                f"there is no evidence of any of the cues {', '.join(self.cues_)}; available: "
-                f"{', '.join(evidence.cues)}"
+                f"there is evidence of cue '{foreign[0]}', and the integrator was fitted on "
+                f"{', '.join(self.cues_)}: give it scores of the models that it was fitted with"
             )
-        return here
+        check_layouts(evidence, self.cues_, self.layouts_)
+        return [cue for cue in self.cues_ if cue in evidence.cues]
 
     @abstractmethod
     def _learn(self, evidence: Evidence, codes: NDArray[np.int64]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -64,6 +64,9 @@ class GDAS(Integrator):
     Pronobis et al., IJRR 29(2-3), 2010, section 4.1; Pronobis and Caputo, IROS 2007. The grid and
     its ties: our choice.
     """
+
+    #: What a cue alone says must be of the same kind as the sums: distances, say.
+    fits_alone: ClassVar[bool] = True
 
     def __init__(
         self,

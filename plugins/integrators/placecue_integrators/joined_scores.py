@@ -17,6 +17,7 @@ from placecue.integrator import Integrator
 from placecue.scaling import Scaling
 from placecue.scores import Scores
 from placecue.training_set import TrainingSet
+from placecue_integrators.agreement import check_layouts
 
 
 class JoinedScores(Integrator):
@@ -33,6 +34,8 @@ class JoinedScores(Integrator):
     ----------
     cues_ : list of str
         The cues, in the order in which their outputs are joined.
+    layouts_ : list of Layout
+        Those of the outputs.
     scaling_ : Scaling or None
         Learned on the joined outputs of the fitting data.
     classifier_ : Classifier
@@ -74,6 +77,7 @@ class JoinedScores(Integrator):
                 "samples: give one a sample"
             )
         self.cues_ = list(held_out.evidence.cues)
+        self.layouts_ = [held_out.evidence.layout(cue) for cue in self.cues_]
         joined, rows = self._joined(held_out.evidence)
         if rows.size == 0:
             raise DataError(f"no sample has scores of all cues ({', '.join(self.cues_)})")
@@ -97,6 +101,7 @@ class JoinedScores(Integrator):
 
         NaN for observations that lack a cue.
         """
+        check_layouts(evidence, self.cues_, self.layouts_)
         joined, rows = self._joined(evidence)
         layout = self.classifier_.layout_
         values = np.full((len(evidence), len(layout.columns)), np.nan)
@@ -112,7 +117,13 @@ class JoinedScores(Integrator):
 
     def _check_classes(self, complete: HeldOut) -> None:
         """Raise DataError if a class of any cue is missing: it would never be named."""
-        known = {name for cue in self.cues_ for name in complete.evidence.layout(cue).classes}
+        known = {name for layout in self.layouts_ for name in layout.classes}
+        foreign = sorted(set(map(str, complete.labels)) - known)
+        if foreign:
+            raise DataError(
+                f"there are held-out samples of '{foreign[0]}', which no cue tells apart: leave "
+                "them out"
+            )
         missing = sorted(known - set(map(str, complete.labels)))
         if missing:
             raise DataError(

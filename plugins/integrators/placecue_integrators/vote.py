@@ -43,6 +43,11 @@ class Vote(FixedRule):
         self.weights = weights
 
     def check_parameters(self) -> None:  # noqa: D102
+        if self.weights is not None and not isinstance(self.weights, Mapping):
+            raise UsageError(
+                f"weights of votes must map cues to numbers, such as {{crfh: 2}}, got "
+                f"{self.weights!r}"
+            )
         for cue, weight in (self.weights or {}).items():
             check_number(f"weights.{cue}", weight, least=0, below=np.inf)
 

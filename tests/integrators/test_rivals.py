@@ -124,9 +124,8 @@ def test_rules_take_evidence_of_some_of_the_cues_as_if_the_others_were_missing(
 
 @pytest.mark.parametrize("kind", [Vote, Dynamic])
 def test_other_layouts_than_those_fitted_on_are_refused(kind: type[Integrator]) -> None:
-    fitted = kind().fit(
-        StoredEvidence({"crfh": probabilities(), "laser": probabilities()}), labels()
-    )
+    both = {"crfh": probabilities(), "laser": probabilities()}
+    fitted = kind().fit(StoredEvidence(both), labels())
     other = Scores(probabilities().values, OneAgainstAll(CLASSES))
     with pytest.raises(UsageError, match=r"scores of cue 'laser' are OneAgainstAll.*fitted on"):
         fitted.integrate(StoredEvidence({**both, "laser": other}))

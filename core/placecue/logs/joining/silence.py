@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import numpy as np
+from itertools import pairwise
+from statistics import median
 
 from placecue.logs.joining.timing import message_times
 from placecue.logs.mcap.container import LogFile, Topic
@@ -45,14 +45,13 @@ def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
     """
     channels = set(camera.channels)
     found = [t for times in message_times(file) for c, t in times.items() if c in channels]
-    stamps = np.sort(np.array([each for times in found for each in times], dtype=np.int64))
-    contents = file.contents
-    if not len(stamps):
+    # Times in a damaged file may be larger than 64 bits with a sign hold.
+    stamps = sorted(each for times in found for each in times)
+    if not stamps:
         return Silence(round(least * 1e9), 0)
-    steps = np.diff(stamps)
-    period = int(np.median(steps)) if len(steps) else 0
+    steps = [after - before for before, after in pairwise(stamps)]
+    period = round(median(steps)) if steps else 0
     after = max(round(least * 1e9), LEFT_OUT * period)
-    ends = np.array([contents.start, contents.end], dtype=np.int64)
-    outside = (stamps[0] - ends[0], ends[1] - stamps[-1])
-    longest = max(int(steps.max(initial=0)), *map(int, outside))
+    contents = file.contents
+    longest = max(*steps, stamps[0] - contents.start, contents.end - stamps[-1], 0)
     return Silence(after, period) if longest >= after else None

@@ -140,10 +140,6 @@ class Broken(Beams):
     ("part", "error", "said"),
     [
         (Nested(), ContractError, r"cue '?[Jj]oint'? .*returned parts of its own, in part 'odd'"),
-            Nested(),
-            ContractError,
-            r"(cue Joint|cue 'joint') .*returned parts of its own, in part 'odd'",
-        ),
         (Short(), ContractError, r"cue Short .*returned 11 rows for 12 samples"),
         (Broken(), ComponentError, r"cue Broken .*extract failed at stamp 0: .*by nought"),
     ],

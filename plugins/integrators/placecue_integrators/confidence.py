@@ -39,8 +39,8 @@ class Confidence(Integrator):
     asked, all so far are integrated, and so on. A cue that is not asked is not extracted. There is
     a scheme of integration for every set of cues, and thresholds for every set that may be there.
 
-    Thresholds are found on out-of-fold scores of the schemes: the smallest that keep the
-    recognition rate (balanced accuracy) of all cues, or a wanted one, or the best for a budget.
+    Thresholds are found on out-of-fold scores of the schemes: the smallest that keep the highest
+    recognition rate (balanced accuracy), or a wanted one, or the best for a budget.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Confidence(Integrator):
         The cues in the order in which they are asked; by default the cheapest first, as measured
         in training, or as they stand where nothing was measured.
     accuracy : float, optional
-        Keep this balanced accuracy, in (0, 1], rather than that of all cues.
+        Keep this balanced accuracy, in (0, 1], rather than the highest.
     budget : float, optional
         Spend no more than this in the mean, ms a sample, on the samples that it is fitted on.
 
@@ -228,7 +228,7 @@ class Confidence(Integrator):
         if self.budget is not None:
             return self._within(stages, best, full=full)
         if self.accuracy is None:
-            return stages.thresholds(best)
+            return stages.thresholds()
         if full and self.accuracy > best:
             log.warning(
                 f"confidence accuracy is {self.accuracy:g}, and all cues together reach "

@@ -54,7 +54,7 @@ class Stages:
         """Return the mean cost of a sample."""
         return float(self.shares(thresholds) @ np.asarray(self.costs, dtype=float))
 
-    def thresholds(self, rate: float) -> list[float]:
+    def thresholds(self, rate: float | None = None) -> list[float]:
         """Return the smallest thresholds that keep a recognition rate.
 
         From the last stage but one back to the first: the smallest with which deciding there, and
@@ -62,8 +62,8 @@ class Stages:
 
         Parameters
         ----------
-        rate : float
-            The balanced accuracy to keep, in [0, 1].
+        rate : float, optional
+            The balanced accuracy to keep, in [0, 1]; by default the highest at each stage.
         """
         later = self.right[-1]
         found: list[float] = []
@@ -74,7 +74,11 @@ class Stages:
         return found
 
     def _smallest(
-        self, right: NDArray[np.bool_], later: NDArray[np.bool_], confidence: Floats, rate: float
+        self,
+        right: NDArray[np.bool_],
+        later: NDArray[np.bool_],
+        confidence: Floats,
+        rate: float | None,
     ) -> float:
         order = np.argsort(-confidence, kind="stable")
         gain = self.weights * (right.astype(float) - later)
@@ -82,7 +86,8 @@ class Stages:
         surest = confidence[order]
         # Samples of one confidence are decided on together.
         ends = np.append(np.append(True, surest[:-1] > surest[1:]), True)
-        good = np.flatnonzero(ends & (kept >= rate - 1e-12))
+        wanted = kept[ends].max() if rate is None else rate
+        good = np.flatnonzero(ends & (kept >= wanted - 1e-12))
         if not good.size or good[-1] == 0:
             return NEVER
         return ALWAYS if good[-1] == len(surest) else float(surest[good[-1] - 1])

@@ -91,16 +91,25 @@ class Schemes:
     def of(self, cues: Sequence[str]) -> Cues:
         """Return the largest set with a scheme among some cues, the first of equals; or none."""
         there = set(cues)
-        told = self.layout is not None and not self.full.fits_alone
-        alone = [(cue,) for cue in cues] if told else []
+        alone = [(cue,) for cue in cues] if self._tells_one else []
         fitting = [some for some in [*self.by_cues, *alone] if there.issuperset(some)]
         return max(fitting, key=len, default=())
 
+    @property
+    def _tells_one(self) -> bool:
+        """Whether a cue alone is told in the layout of all."""
+        return self.layout is not None and not self.full.fits_alone
+
     def _tells(self, cues: Cues, having: HeldOut) -> bool:
         """Tell whether what some cues say can be told in the layout without an integrator."""
-        if len(cues) > 1 or self.layout is None or self.full.fits_alone:
+        if len(cues) > 1 or not self._tells_one:
             return False
-        return having.evidence.scores(cues[0])[:1].told_in(self.layout) is not None
+        return self._told(having.evidence.take([0]), cues[0]) is not None
+
+    def _told(self, evidence: Evidence, cue: str) -> Scores | None:
+        """Return what a cue alone says in the layout of all; None where it cannot be told."""
+        assert self.layout is not None  # or it would be fitted
+        return evidence.scores(cue).told_in(self.layout)
 
     def join(self, evidence: Evidence) -> Scores:
         """Return the integrated scores of n observations that have all cues of the evidence.
@@ -117,8 +126,7 @@ class Schemes:
         if cues in self.by_cues:
             joined = call(self.by_cues[cues], "integrate", evidence)
             return joined
-        assert self.layout is not None  # or there was no such set
-        told = evidence.scores(cues[0]).told_in(self.layout)
+        told = self._told(evidence, cues[0])
         assert told is not None  # or an integrator was fitted for it
         return told
 
@@ -139,7 +147,8 @@ class Schemes:
         failed: dict[int, UnusableObservation] = {}
         known, rows = evidence.known(), np.arange(len(evidence))
         while rows.size:
-            failed = {row: error for row, error in failed.items() if row not in set(rows.tolist())}
+            for row in rows.tolist():  # asked about anew
+                failed.pop(row, None)
             for cues, of_set in self._parted(evidence.cues, known, rows):
                 found = None
                 if cues:
@@ -167,8 +176,7 @@ class Schemes:
     ) -> tuple[Scores | None, dict[int, UnusableObservation]]:
         if cues in self.by_cues:
             return integrated(self.by_cues[cues], evidence, observations, skip=skip)
-        assert self.layout is not None  # or there was no such set
-        return evidence.scores(cues[0]).told_in(self.layout), {}
+        return self._told(evidence, cues[0]), {}
 
     def _parted(self, cues: Cues, known: NDArray[np.bool_], rows: Rows) -> list[tuple[Cues, Rows]]:
         """Return which rows are integrated by the scheme of which cues."""
@@ -177,7 +185,7 @@ class Schemes:
         alike = bool((here == here[0]).all())  # as nearly always
         for pattern in here[:1] if alike else np.unique(here, axis=0):
             there = [cue for cue, has in zip(cues, pattern, strict=True) if has]
-            parts.append((self.of(there), rows[(known[rows] == pattern).all(axis=1)]))
+            parts.append((self.of(there), rows[(here == pattern).all(axis=1)]))
         return parts
 
     def _placed(

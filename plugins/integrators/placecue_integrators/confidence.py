@@ -257,13 +257,13 @@ class Confidence(Integrator):
         by_cues = zip(map(tuple, self.fitted_sets_), self.schemes_, strict=True)
         schemes = Schemes(dict(by_cues), self.layout_)
         found: list[tuple[Rows, Scores]] = []
-        todo = list(self._parted(evidence))
-        while todo:
-            rows, asked, rest = todo.pop()
+        pending = list(self._parted(evidence))
+        while pending:
+            rows, asked, rest = pending.pop()
             part = _part(evidence, rows)
             has = part.scores(rest[0]).available()
             if not has.all():  # unusable after all
-                todo += self._without(rows[~has], asked, rest[1:], evidence, schemes, found)
+                pending += self._without(rows[~has], asked, rest[1:], evidence, schemes, found)
                 rows = rows[has]
             if rows.size:
                 asked, rest = (*asked, rest[0]), rest[1:]
@@ -272,7 +272,7 @@ class Confidence(Integrator):
                 if sure.any():
                     found.append((rows[sure], scores[sure]))
                 if not sure.all():
-                    todo.append((rows[~sure], asked, rest))
+                    pending.append((rows[~sure], asked, rest))
         return _placed(found, evidence)
 
     def _parted(self, evidence: Evidence) -> Iterator[tuple[Rows, Cues, Cues]]:

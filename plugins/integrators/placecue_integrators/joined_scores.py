@@ -67,15 +67,10 @@ class JoinedScores(Integrator):
             If there is no classifier.
         DataError
             If no sample has scores of every cue, or none of those that do is of a class that the
-            cues tell apart, or there is not one label for each sample.
+            cues tell apart.
         """
         if self.classifier is None:
             raise UsageError(self.needs)
-        if len(held_out.labels) != len(held_out.evidence):
-            raise DataError(
-                f"{len(held_out.labels)} labels for the evidence of {len(held_out.evidence)} "
-                "samples: give one a sample"
-            )
         self.cues_ = list(held_out.evidence.cues)
         self.layouts_ = [held_out.evidence.layout(cue) for cue in self.cues_]
         joined, rows = self._joined(held_out.evidence)

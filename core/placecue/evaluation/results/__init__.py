@@ -1,0 +1,1 @@
+"""What methods said of test recordings, kept in a folder, and tables over them."""

@@ -112,6 +112,14 @@ class Classifier(ClassifierMixin, Estimator, ABC):  # type: ignore[misc]
         copy: Any = clone(self)
         return copy  # type: ignore[no-any-return]
 
+    def candidates(self) -> Iterator[tuple[dict[str, Any], Classifier]]:
+        """Yield what a parameter search would try: parameters, and an unfitted copy with them.
+
+        For those who choose parameters on samples of their own, such as another recording. Without
+        a search that is one copy.
+        """
+        yield {}, self.best()
+
     def out_of_fold(
         self, training: TrainingSet, splits: Iterable[tuple[Rows, Rows]]
     ) -> Iterator[tuple[Rows, Scores]]:

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import joblib
 
@@ -43,7 +43,14 @@ class Grams:
 
     What stands around the kernel as :class:`placecue.Extraction` stands around the cue. The one in
     use is :func:`current`.
+
+    Attributes
+    ----------
+    keeps : bool
+        Whether blocks that were asked for once are there afterwards.
     """
+
+    keeps: ClassVar[bool] = False
 
     def known(self, features: FeatureBatch) -> str | None:
         """Return what to call n training samples later on, in :class:`Known`; None for nothing."""
@@ -76,6 +83,8 @@ class KeptGrams(Grams):
         How many blocks are kept; the one that was asked for longest ago goes first.
     """
 
+    keeps: ClassVar[bool] = True
+
     def __init__(self, most: int = 100) -> None:
         self.most = most
         self._batches: dict[str, FeatureBatch] = {}
@@ -102,9 +111,16 @@ class KeptGrams(Grams):
         """Return the kernel between ``a`` and ``b``, shape (n, m); the last one is kept."""
         key = (joblib.hash(kernel), _digest(a), "" if b is None else _digest(b))
         if self._last is None or self._last[0] != key:
-            shared = self.shared(kernel, a, b)
-            self._last = key, call(kernel, "from_shared", shared, check=_block(a, b))
+            self._last = key, self.finished(kernel, self.shared(kernel, a, b), a, b)
         return self._last[1].copy()
+
+    @staticmethod
+    def finished(
+        kernel: Kernel, shared: Any, a: FeatureBatch, b: FeatureBatch | None = None
+    ) -> Gram:
+        """Return the Gram block, shape (n, m), from what all settings share, checked."""
+        block: Gram = call(kernel, "from_shared", shared, check=_block(a, b))
+        return block
 
     def against(self, kernel: Kernel, features: FeatureBatch, known: Known) -> Gram:
         """Return the columns of the one block between n samples and all training samples."""

@@ -13,10 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.path import Path as Outline
 
-from placecue.commands.logs import relabelled
 from placecue.errors import DataError, UsageError
 from placecue.labels.label_map import LabelMap
-from placecue.labels.relabelled import Relabelled
+from placecue.labels.relabelled import Relabelled, relabelled
 from placecue.labels.rooms import Room, Rooms, read_rooms
 from placecue.observation import Observation, Pose2D
 from placecue.source import Source

@@ -9,9 +9,7 @@ from placecue.checks import check_choice
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
-from placecue.labels.label_map import LabelMap
-from placecue.labels.relabelled import Relabelled
-from placecue.labels.rooms import read_rooms
+from placecue.labels.relabelled import relabelled
 from placecue.observation import PARTS, Part
 from placecue.source import Chain, Source, guarded
 
@@ -69,39 +67,6 @@ def open_source(
     for source in sources:
         plugins.tell("log_opened", source=source)
     return sources[0] if len(sources) == 1 else Chain(sources)
-
-
-def relabelled(source: Source, config: Mapping[str, Any]) -> Source:
-    """Return a source under the labels that a config asks for.
-
-    Parameters
-    ----------
-    source : Source
-        Any source.
-    config : mapping
-        ``rooms``: a GeoJSON file whose polygons give the labels; ``label_map``: a mapping from
-        old labels to new ones, or null; ``unmapped_labels``: keep, drop or error.
-
-    Raises
-    ------
-    UsageError
-        If the map makes no sense.
-    DataError
-        If the rooms cannot be read.
-    """
-    rooms, names = config.get("rooms"), config.get("label_map")
-    if not rooms and not names:
-        return source
-    if names is not None and not isinstance(names, Mapping):
-        raise UsageError(
-            f"label_map must map old labels to new ones, such as {{BO:office,PA:null}}, got "
-            f"{names!r}"
-        )
-    return Relabelled(
-        source,
-        read_rooms(str(rooms)) if rooms else None,
-        LabelMap(names, config.get("unmapped_labels", "keep")) if names else None,
-    )
 
 
 def on_error_of(config: Mapping[str, Any]) -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+from placecue.errors import UsageError
 from placecue.labels.label_map import LabelMap
-from placecue.labels.rooms import Rooms
+from placecue.labels.rooms import Rooms, read_rooms
 from placecue.observation import Observation
 from placecue.source import Source, Wrapped
 
@@ -79,3 +81,36 @@ class Relabelled(Wrapped):
                 f"{self.name}: not one of {total} observations lies in a room; the poses are "
                 f"{where}: are the rooms drawn in the same frame, in metres?"
             )
+
+
+def relabelled(source: Source, config: Mapping[str, Any]) -> Source:
+    """Return a source under the labels that a config asks for.
+
+    Parameters
+    ----------
+    source : Source
+        Any source.
+    config : mapping
+        ``rooms``: a GeoJSON file whose polygons give the labels; ``label_map``: a mapping from
+        old labels to new ones, or null; ``unmapped_labels``: keep, drop or error.
+
+    Raises
+    ------
+    UsageError
+        If the map makes no sense.
+    DataError
+        If the rooms cannot be read.
+    """
+    rooms, names = config.get("rooms"), config.get("label_map")
+    if not rooms and not names:
+        return source
+    if names is not None and not isinstance(names, Mapping):
+        raise UsageError(
+            f"label_map must map old labels to new ones, such as {{BO:office,PA:null}}, got "
+            f"{names!r}"
+        )
+    return Relabelled(
+        source,
+        read_rooms(str(rooms)) if rooms else None,
+        LabelMap(names, config.get("unmapped_labels", "keep")) if names else None,
+    )

@@ -101,6 +101,10 @@ class GridSearch(Classifier):
         """Return the classifier itself, unfitted, with the parameters that were best."""
         return self.classifier_.best() if hasattr(self, "classifier_") else self._with({})
 
+    def candidates(self) -> Iterator[tuple[Setting, Classifier]]:
+        """Yield the points of the search."""
+        return ((point, self._with(point)) for point in self._points())
+
     def out_of_fold(
         self, training: TrainingSet, splits: Iterable[tuple[Rows, Rows]]
     ) -> Iterator[tuple[Rows, Scores]]:

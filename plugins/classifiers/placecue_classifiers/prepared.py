@@ -49,8 +49,8 @@ class Prepared:
     features : batch of n samples
         Scaled.
     shared : object
-        What Gram matrices for other light parameters of the kernel share; where there is only
-        one, None.
+        What Gram matrices for other light parameters of the kernel share; None where there is only
+        one, or where Gram blocks are kept.
     only : ndarray of float64, shape (n, n), or None
         The only Gram matrix.
     """
@@ -103,6 +103,8 @@ class Prepared:
             raise WrongKind(str(error)) from error
         of_rows = labels if rows is None or labels is None else labels[rows]
         fit_kernel(kernel, _of_rows(features, rows), of_rows)
+        if light and current().keeps:
+            return cls(kernel, fitted, features, None, None)
         if light:
             return cls(kernel, fitted, features, current().shared(kernel, features), None)
         return cls(kernel, fitted, features, None, current().gram(kernel, features))
@@ -118,6 +120,8 @@ class Prepared:
         kernel = self.with_light(light)
         if self.only is not None:
             return _finite(self.only, kernel)
+        if self.shared is None:
+            return _finite(current().gram(kernel, self.features), kernel)
         n = n_samples(self.features)
         check = partial(contracts.scaled, shape=(n, n))
         return _finite(call(kernel, "from_shared", self.shared, check=check), kernel)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from itertools import product
 from typing import Any, Self
 
 import numpy as np
@@ -190,6 +191,15 @@ class SVM(Classifier):
         copy: Self = self.with_setting(getattr(self, "chosen_", {}))
         copy.set_params(search=None, refit=True)
         return copy
+
+    def candidates(self) -> Iterator[tuple[Setting, SVM]]:
+        """Yield the points of the search, light parameters of the kernel next to one another."""
+        grid = self._grid()
+        for preparation, light, machines in product(
+            grid.preparations(), grid.lights(), grid.machines()
+        ):
+            setting = {**preparation, **light, **machines}
+            yield setting, self.with_setting(setting).set_params(search=None, refit=True)
 
     def out_of_fold(
         self, training: TrainingSet, splits: Iterable[tuple[Rows, Rows]]

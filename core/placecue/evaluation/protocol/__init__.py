@@ -1,0 +1,1 @@
+"""An experiment: recordings, pairs of them, methods, and what computes their results."""

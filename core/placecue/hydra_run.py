@@ -150,7 +150,7 @@ class Task:
         settings: dict[str, Any] = plain(config)
         if job is not None and settings.get("out") is not None:
             settings["out"] = self._out_of_job(config, settings, job, module.WRITES is not None)
-        with guarded(settings, module.WRITES):
+        with guarded(settings, module.WRITES, resumes=getattr(module, "RESUMES", None)):
             try:
                 module.run(settings)
             except SystemExit as error:

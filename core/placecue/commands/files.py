@@ -15,6 +15,7 @@ ANNOTATED = "annotated.mcap"
 MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
+EVALUATED = ("experiment.json", "results.csv", "report.html")
 TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES)
 LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE)

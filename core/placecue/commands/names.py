@@ -7,6 +7,7 @@ COMMANDS = {
     "train": "log(s) -> model folder",
     "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
     "label": "model + log -> semantic map, online in one pass",
+    "evaluate": "an experiment: pairs of logs, methods -> tables, figures, significance",
     "convert": "any source -> MCAP",
     "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",

@@ -20,7 +20,9 @@ NAMED = 3
 
 
 @contextmanager
-def guarded(config: Mapping[str, Any], writes: Sequence[str] | None) -> Iterator[None]:
+def guarded(
+    config: Mapping[str, Any], writes: Sequence[str] | None, resumes: str | None = None
+) -> Iterator[None]:
     """Run a command in a ``with`` block that keeps what it reads, and what others have written.
 
     As soon as the block has written anything, files of an older run are removed that it has not
@@ -33,6 +35,8 @@ def guarded(config: Mapping[str, Any], writes: Sequence[str] | None) -> Iterator
     writes : sequence of str, or None
         The files that it writes into the folder ``out``; None where ``out`` is a file, or null for
         no file.
+    resumes : str, optional
+        A folder ``out`` that holds a file of this name is gone on with.
 
     Raises
     ------
@@ -52,6 +56,10 @@ def guarded(config: Mapping[str, Any], writes: Sequence[str] | None) -> Iterator
         from placecue.evaluation.training_report import SEARCHES
 
         out = path_of(config, "out")
+        if resumes is not None and (out / resumes).is_file():
+            _check_not_read(out, inputs)
+            yield
+            return
         folders = {out, *((out / name).parent for name in writes)}
         for folder in folders:
             remove_dead_parts(folder)

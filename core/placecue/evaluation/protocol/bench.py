@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from placecue.storage.feature_cache import FeatureCache
 #: Samples of so many recordings by one cue are kept in a process.
 KEPT = 16
 _samples: dict[tuple[Any, ...], Samples] = {}
+_lock = Lock()
 
 
 @dataclass(frozen=True)
@@ -97,16 +99,18 @@ class Bench:
 
     def _whole(self, world: str, names: tuple[str, ...], name: str, cue: Cue) -> Samples:
         key = (self.out, self.every, world, names, name, repr(cue.get_params()))
-        if key in _samples:
-            _samples[key] = _samples.pop(key)  # what was asked for last stands last
-            return _samples[key]
+        with _lock:
+            if key in _samples:
+                _samples[key] = _samples.pop(key)  # what was asked for last stands last
+                return _samples[key]
         sources = [self.open(world, each) for each in names]
         observations = sources[0] if len(sources) == 1 else Chain(sources)
         with FeatureCache(Path(self.cache), current_plugins().registry) as extraction:
             found = collect(observations, {name: cue}, extraction, self.scheme, skip=self.skip)
-        while len(_samples) >= KEPT:
-            del _samples[next(iter(_samples))]
-        _samples[key] = found
+        with _lock:
+            _samples[key] = found
+            while len(_samples) > KEPT:
+                del _samples[next(iter(_samples))]
         return found
 
     def _rows(self, samples: Samples, part: Part) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +92,9 @@ def fit_and_decide(task: JoinedTask) -> dict[Pair, str]:
 def _loaded(
     store: ScoresStore, digests: OfModels, models: Sequence[str], one_scale: bool
 ) -> dict[str, Said]:
+    lacking = [model for model in models if digests[model] not in store]
+    if lacking:
+        raise DataError(f"model {lacking[0]} says nothing of a recording that is needed")
     loaded = {model: store.load(digests[model]) for model in models}
     return {m: said.of_one_scale() if one_scale else said for m, said in loaded.items()}
 
@@ -110,7 +112,7 @@ def _decided(
         result,
         used=evidence.asked,
         seconds={"fitting": seconds, "deciding": perf_counter() - began},
-        settings=_settings(schemes.full),
+        settings={"integrator": told} if (told := schemes.full.summary()) else {},
     )
 
 
@@ -204,14 +206,3 @@ def result_of(
     return Result(
         pair, method, classes, truth, decided, confidence, np.asarray(stamps), digest=digest
     )
-
-
-def _settings(integrator: Integrator) -> dict[str, Any]:
-    """Return what fitting chose, as far as it is told: weights, C and gamma."""
-    found: dict[str, Any] = {}
-    classifier = getattr(integrator, "classifier_", None)
-    found.update(getattr(classifier, "chosen_", {}) or {})
-    weights = getattr(integrator, "weights_", None)
-    if weights is not None:
-        found["weights"] = np.asarray(weights, dtype=float).round(6).tolist()
-    return found

@@ -159,9 +159,9 @@ class Plan:
         if not rule:
             return None
         if len(parts) > 1 or parts[0].fold is not None:
+            names = " + ".join(map(str, parts))
             raise UsageError(
-                f"{what} is of whole recordings, and the pairs train on {' + '.join(map(str, parts))}"
-                f": give {what}=null"
+                f"{what} is of whole recordings, and the pairs train on {names}: give {what}=null"
             )
         recording = self.bench.recording(world, parts[0].recording)
         found = partner_of(rule, recording, self.bench.recordings)

@@ -86,6 +86,8 @@ class About:
         What each step took in all.
     warnings : sequence of str
         What was told meanwhile.
+    failures : sequence of mapping
+        ``method``, ``pair`` and ``error`` of what came to nothing.
     """
 
     title: str
@@ -101,6 +103,7 @@ class About:
     began: str = ""
     seconds: Mapping[str, float] = field(default_factory=dict)
     warnings: Sequence[str] = ()
+    failures: Sequence[Mapping[str, Any]] = ()
 
     def save(self, folder: Path) -> None:
         """Write it into a folder."""

@@ -1,0 +1,304 @@
+"""Runs an experiment: records, extracts, trains, integrates, and keeps every result."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Any, Protocol, TypeVar
+
+from placecue.components.build import build
+from placecue.components.registry import Registry
+from placecue.errors import DataError, PlacecueError
+from placecue.evaluation.protocol.bench import Bench
+from placecue.evaluation.protocol.joining import fit_and_decide, result_of
+from placecue.evaluation.protocol.methods import Methods
+from placecue.evaluation.protocol.pairs import Split, splits_of
+from placecue.evaluation.protocol.plan import Plan
+from placecue.evaluation.protocol.plan import Protocol as Fitting
+from placecue.evaluation.protocol.preparing import (
+    Contents,
+    ExtractionTask,
+    contents_of,
+    extracted,
+    recorded,
+)
+from placecue.evaluation.protocol.recordings import derived
+from placecue.evaluation.protocol.scores_store import ScoresStore
+from placecue.evaluation.protocol.single_cue import SingleCueTask, train_and_score
+from placecue.evaluation.results.about import Recording
+from placecue.evaluation.results.result import Pair, Result
+from placecue.evaluation.results.store import ResultStore
+
+T = TypeVar("T")
+log = logging.getLogger(__name__)
+
+
+class Outcome(Protocol):
+    """What came of a task: a value, or why there is none."""
+
+    task: Any
+    value: Any
+    error: PlacecueError | None
+
+
+class Runs(Protocol):
+    """Runs tasks, several at a time."""
+
+    def map(self, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[Any]:
+        """Yield the outcome of each task as it finishes."""
+
+
+class Board(Protocol):
+    """Is told how far a run is."""
+
+    def add(self, experiment: str, total: int) -> None:
+        """There are so many results to be."""
+
+    def done(self, experiment: str, failed: bool = False) -> None:
+        """Note that a result is there, or will not be."""
+
+
+@dataclass
+class Evaluation:
+    """An experiment, as it is run.
+
+    Parameters
+    ----------
+    bench : Bench
+        Its recordings know the metadata that their names and the experiment tell.
+    pairs : object
+        What picks pairs; see :func:`splits_of`.
+    methods : Methods
+    fitting : Protocol
+        How models and integrators are fitted.
+    derive : mapping
+        What follows from metadata.
+    registry : Registry
+
+    Attributes
+    ----------
+    seconds : dict of str to float
+        What each step took, in all processes together.
+    wrong : list of Result
+        Results that came to nothing, with why.
+    """
+
+    bench: Bench
+    pairs: Any
+    methods: Methods
+    fitting: Fitting
+    derive: Mapping[str, Any]
+    registry: Registry
+    seconds: dict[str, float] = field(default_factory=dict)
+    wrong: list[Result] = field(default_factory=list)
+
+    def run(self, executor: Runs, board: Board, tell: Callable[[Result], None]) -> Plan:
+        """Compute what is not there yet.
+
+        Parameters
+        ----------
+        executor : Executor
+        board : Board
+        tell : callable
+            Is told of each result as it is kept.
+
+        Raises
+        ------
+        PlacecueError
+            If the experiment makes no sense, or a recording cannot be made or read at all.
+        """
+        self.store = ResultStore(self.bench.folder)
+        self.scores = ScoresStore(self.bench.folder, self.registry)
+        self._record(executor)
+        contents = self._contents()
+        splits = self.splits(contents)
+        self.plan = Plan(
+            self.bench,
+            splits,
+            self.methods,
+            self.fitting,
+            {key: each.digest for key, each in contents.items()},
+            self.registry,
+            self._wants_costs(),
+        )
+        self.digests = {
+            (method, split.pair): self.plan.result_digest(split, method)
+            for method in self.methods.names
+            for split in splits
+        }
+        self._announce(board)
+        self._extract(executor, contents, splits)
+        told = _Told(self, board, tell)
+        self._single_cues(executor, told)
+        self._joined(executor, told)
+        return self.plan
+
+    # ------------------------------------------------------------------ before pairs
+
+    def _record(self, executor: Runs) -> None:
+        """Make the recordings that are not there yet."""
+        to_make = [each for each in self.bench.recordings if each.origin is not None]
+        for outcome in executor.map(recorded, to_make):
+            if outcome.error is not None:
+                raise outcome.error
+            self._spent("recording", outcome.value or 0.0)
+
+    def _contents(self) -> dict[tuple[str, str], Contents]:
+        """Open every recording; set its metadata, and return what it is."""
+        contents, known = {}, []
+        for each in self.bench.recordings:
+            found = contents_of(each, self.bench.labels, self.bench.every)
+            told = {**found.metadata, **each.metadata}
+            known.append(replace(each, metadata=derived(told, self.derive)))
+            contents[each.key] = found
+        self.bench = replace(self.bench, recordings=tuple(known))
+        return contents
+
+    def splits(self, contents: Mapping[tuple[str, str], Contents]) -> list[Split]:
+        """Return the splits, once recordings say all of themselves."""
+        return splits_of(self.pairs, self.bench.recordings, self.bench.scheme.n_folds)
+
+    def _wants_costs(self) -> bool:
+        built = (
+            build(each.integrator, "integrator", self.registry, each.name)
+            for each in self.methods.joined.values()
+        )
+        return any(each.wants_costs for each in built)
+
+    def _announce(self, board: Board) -> None:
+        experiments = [pair.experiment for _, pair in self.digests]
+        for experiment in dict.fromkeys(experiments):
+            board.add(experiment, experiments.count(experiment))
+
+    # ------------------------------------------------------------------ the three stages
+
+    def _extract(
+        self,
+        executor: Runs,
+        contents: Mapping[tuple[str, str], Contents],
+        splits: Sequence[Split],
+    ) -> None:
+        """Extract the cues of every recording into the cache; note what classes it has."""
+        specs: dict[str, Mapping[str, Any]] = {}
+        for model in self.methods.models.values():
+            specs.setdefault(repr(sorted(model.cue.items())), model.cue)
+        cues = tuple(specs.values())
+        began = perf_counter()
+        tasks = [ExtractionTask(self.bench, each, cues) for each in self.bench.recordings]
+        self.recordings: dict[str, Recording] = {}
+        for outcome in executor.map(extracted, tasks):
+            each, classes = outcome.task.recording, outcome.value or {}
+            if outcome.error is not None:
+                log.warning(f"{each.name}: {outcome.error}")
+            found = contents[each.key]
+            name = "/".join(filter(None, each.key))
+            metadata = next(r.metadata for r in self.bench.recordings if r.key == each.key)
+            self.recordings[name] = Recording(each.log, found.digest, dict(metadata), classes)
+        self._spent("extracting cues", perf_counter() - began)
+
+    def _single_cues(self, executor: Runs, told: _Told) -> None:
+        began = perf_counter()
+        tasks = list(self.plan.single_cue_tasks())
+        todo = [t for t in tasks if any(d not in self.scores for d in t.digests.values())]
+        failed = {id(task) for task in todo}
+        for task in tasks:
+            if id(task) not in failed:
+                told.of_scores(task, {})
+        for outcome in executor.map(train_and_score, todo):
+            wrong = outcome.value or {}
+            if outcome.error is not None:
+                wrong = dict.fromkeys(outcome.task.digests, str(outcome.error))
+            told.of_scores(outcome.task, wrong)
+        self._spent("single-cue models", perf_counter() - began)
+
+    def _joined(self, executor: Runs, told: _Told) -> None:
+        began = perf_counter()
+        lacking = {}
+        for (method, pair), digest in self.digests.items():
+            if method not in self.methods.joined:
+                continue
+            if digest in self.store:
+                told.kept(self.store.load(digest))
+            elif (reason := told.why_not(method, pair)) is not None:
+                told.failed(method, pair, reason)
+            else:
+                lacking[method, pair] = digest
+        for outcome in executor.map(fit_and_decide, self.plan.joined_tasks(lacking)):
+            task, wrong = outcome.task, outcome.value or {}
+            if outcome.error is not None:
+                wrong = dict.fromkeys(task.tests, str(outcome.error))
+            for pair, (_, digest) in task.tests.items():
+                if pair in wrong:
+                    told.failed(task.method.name, pair, wrong[pair])
+                else:
+                    told.kept(self.store.load(digest))
+        self._spent("integration", perf_counter() - began)
+
+    def _spent(self, step: str, seconds: float) -> None:
+        self.seconds[step] = self.seconds.get(step, 0.0) + seconds
+
+
+class _Told:
+    """Turns what tasks say into results, and passes them on."""
+
+    def __init__(self, run: Evaluation, board: Board, tell: Callable[[Result], None]) -> None:
+        self.run, self.board, self.tell = run, board, tell
+        #: Why a model says nothing of a test, by world, training part, model and test.
+        self.silent: dict[tuple[str, str, str, str], str] = {}
+
+    def of_scores(self, task: SingleCueTask, wrong: Mapping[tuple[str, str], str]) -> None:
+        """Make the results of a task's single-cue models."""
+        train = " + ".join(map(str, task.train))
+        for (name, test), why in wrong.items():
+            self.silent[task.world, train, name, test] = why
+        for split in self.run.plan.splits:
+            if (split.world, split.train) != (task.world, task.train):
+                continue
+            for model in task.models:
+                reason = wrong.get((model.name, str(split.test)))
+                if reason is not None:
+                    self.failed(model.name, split.pair, reason)
+                else:
+                    self._single(task, split, model.name)
+
+    def _single(self, task: SingleCueTask, split: Split, model: str) -> None:
+        digest = self.run.digests[model, split.pair]
+        if digest in self.run.store:
+            self.kept(self.run.store.load(digest))
+            return
+        said = self.run.scores.load(task.digests[model, str(split.test)])
+        result = result_of(split.pair, model, said.scores, said.labels, said.stamps, digest)
+        result = replace(result, seconds=said.seconds, settings=said.settings)
+        self.run.store.save(result)
+        self.kept(result)
+
+    def why_not(self, method: str, pair: Pair) -> str | None:
+        """Return why a joined method cannot say anything of a pair; None where it can."""
+        train = " + ".join(pair.train)
+        for model in self.run.methods.joined[method].models:
+            for test in (pair.test, "held out"):
+                reason = self.silent.get((pair.world, train, model, test))
+                if reason is not None:
+                    return reason
+        return None
+
+    def kept(self, result: Result) -> None:
+        """Pass on a result that is there."""
+        self.board.done(result.pair.experiment)
+        self.tell(result)
+
+    def failed(self, method: str, pair: Pair, reason: str) -> None:
+        """Pass on that there is none."""
+        reason = " ".join(reason.split())
+        log.warning(f"{pair.experiment}, {method}, {pair}: {reason}")
+        self.run.wrong.append(Result.failed(pair, method, reason))
+        self.board.done(pair.experiment, failed=True)
+
+
+def check_some(results: Sequence[Result], wrong: Sequence[Result]) -> None:
+    """Raise DataError where nothing came of an experiment."""
+    if not results:
+        reason = wrong[0].error if wrong else "there are no pairs"
+        raise DataError(f"none of {len(wrong)} results could be made: {reason}")

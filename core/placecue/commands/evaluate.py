@@ -183,7 +183,10 @@ def methods_in(config: Mapping[str, Any]) -> Methods:
             [name for name in integrators if name != "none"],
             words,
         )
-    return methods_of(models, methods, composed)
+    found, only = methods_of(models, methods, composed), config.get("only")
+    if not only:
+        return found
+    return found.only([str(each) for each in (only if isinstance(only, list) else [only])])
 
 
 def composed(words: Sequence[str]) -> Mapping[str, Any]:

@@ -247,6 +247,7 @@ class _Told:
         self.run, self.board, self.tell = run, board, tell
         #: Why a model says nothing of a test, by world, training part, model and test.
         self.silent: dict[tuple[str, str, str, str], str] = {}
+        self.reasons: set[str] = set()
 
     def of_scores(self, task: SingleCueTask, wrong: Mapping[tuple[str, str], str]) -> None:
         """Make the results of a task's single-cue models."""
@@ -292,7 +293,9 @@ class _Told:
     def failed(self, method: str, pair: Pair, reason: str) -> None:
         """Pass on that there is none."""
         reason = " ".join(reason.split())
-        log.warning(f"{pair.experiment}, {method}, {pair}: {reason}")
+        if reason not in self.reasons:  # it may be that of many pairs
+            self.reasons.add(reason)
+            log.warning(f"{method}, {pair}: {reason}")
         self.run.wrong.append(Result.failed(pair, method, reason))
         self.board.done(pair.experiment, failed=True)
 

@@ -6,6 +6,7 @@ import re
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from itertools import product
 from typing import Any
 
@@ -75,6 +76,26 @@ class Methods:
     def names(self) -> list[str]:
         """All methods, single cues first."""
         return [*self.models, *self.joined]
+
+    def only(self, patterns: Sequence[str]) -> Methods:
+        """Return those whose name matches a pattern, such as ``CRFH*``, and the models they join.
+
+        Raises
+        ------
+        UsageError
+            If a pattern matches none.
+        """
+        for pattern in patterns:
+            if not any(fnmatchcase(name, pattern) for name in self.names):
+                raise UsageError(f"only: no method '{pattern}'; {choices(pattern, self.names)}")
+
+        def wanted(name: str) -> bool:
+            return any(fnmatchcase(name, pattern) for pattern in patterns)
+
+        joined = {name: each for name, each in self.joined.items() if wanted(name)}
+        needed = {model for each in joined.values() for model in each.models}
+        models = {n: m for n, m in self.models.items() if n in needed or wanted(n)}
+        return Methods(models, joined)
 
 
 def methods_of(models: Any, methods: Any, compose: Compose) -> Methods:

@@ -92,7 +92,7 @@ def test_two_logs(tmp_path: Path, log_a: Path, log_b: Path) -> None:
 
 
 def test_floorplans(tmp_path: Path, plan: Path) -> None:
-    words = ["+experiment=floorplans", f"source.path=[{plan}]", "source.samples=60"]
+    words = ["+recipe=floorplans", f"source.path=[{plan}]", "source.samples=60"]
     pipeline, manifest = trained(
         tmp_path / "m", *words, "source.balance=class", "source.beams=91", "source.seed=3"
     )
@@ -110,7 +110,7 @@ def test_frames_in_scenes(tmp_path: Path) -> None:
         cv2.imwrite(str(tmp_path / f"{number}.png"), shade + noise)
         lines.append(f"{number},{'office' if shade > 99 else 'attic'},{number}.png,{number // 3}")
     (tmp_path / "labels.csv").write_text("\n".join(lines))
-    words = ["+experiment=nyuv2", f"log={tmp_path}", "source.depth_column=null"]
+    words = ["+recipe=nyuv2", f"log={tmp_path}", "source.depth_column=null"]
     scenes = ["source.scene_column=scene", "source.cuts=null", "source.min_frames=2"]
     cue = ["cue=color_histogram", "integrator=none", "cues.color_histogram.classifier.search.C=[1]"]
     _, manifest = trained(tmp_path / "m", *words, *scenes, *cue)

@@ -159,7 +159,7 @@ def test_a_rule_asks_for_what_both_tell():
         ({"log": ["x/a.mcap", "y/a.mcap"]}, "two recordings are called a"),
         ({"recordings": {"a": {"light": "day"}}}, "names neither log nor source"),
         ({"log": ["a"], "conditions": {"pattern": "("}}, "is no pattern"),
-        ({"make": {"source": {}, "vary": {}, "name": "x"}}, "make lacks path"),
+        ({"make": {"source": {}, "vary": {}}}, "make lacks name"),
         (
             {"make": {"source": {}, "vary": {"run": [1]}, "name": "{light}", "path": "x"}},
             "cannot be filled in",

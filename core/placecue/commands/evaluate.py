@@ -97,7 +97,7 @@ def evaluate(
         bench,
         config["pairs"],
         methods,
-        Protocol(config["partner"], config["chosen_on"], config["one_scale"]),
+        Protocol(config["partner"], config["chosen_on"], config["one_scale"], config["fitted_on"]),
         config["conditions"].get("derive") or {},
         plugins.registry,
     )

@@ -16,6 +16,7 @@ from placecue.evaluation.protocol.bench import Bench, digest_of
 from placecue.evaluation.protocol.joining import JoinedTask
 from placecue.evaluation.protocol.methods import Methods, SingleCue
 from placecue.evaluation.protocol.pairs import Part, Split, partner_of
+from placecue.evaluation.protocol.recordings import check_names
 from placecue.evaluation.protocol.single_cue import HELD_OUT, SingleCueTask
 from placecue.evaluation.results.result import Pair
 
@@ -37,11 +38,19 @@ class Protocol:
         classifiers are chosen. None: by folds of the training samples.
     one_scale : bool
         Whether outputs of partners' models are brought to one scale.
+    fitted_on : sequence of str or None
+        Recordings on which integrators are fitted, on what the very models say of them that they
+        are used with.
     """
 
     partner: Mapping[str, Any] | None = None
     chosen_on: Mapping[str, Any] | None = None
     one_scale: bool = True
+    fitted_on: Sequence[str] | None = None
+
+    def __post_init__(self) -> None:
+        if self.partner and self.fitted_on:
+            raise UsageError("give partner= or fitted_on=, not both: integrators are fitted once")
 
 
 class Plan:
@@ -154,6 +163,20 @@ class Plan:
             )
         return partner
 
+    def _fitting_parts(self, trained: Trained) -> list[Part]:
+        """Return the recordings that integrators are fitted on by name."""
+        names = [str(name) for name in self.protocol.fitted_on or ()]
+        of_world = [each.name for each in self.bench.recordings if each.world == trained[0]]
+        check_names(names, of_world, "fitted_on")
+        seen = {part.recording for part in (*trained[1], *self.tests[trained])}
+        for name in names:
+            if name in seen:
+                raise UsageError(
+                    f"fitted_on names {name}, which pairs train or test on: integrators are fitted "
+                    "on recordings of their own"
+                )
+        return [Part(name) for name in names]
+
     def _by_rule(self, rule: Mapping[str, Any] | None, trained: Trained, what: str) -> Part | None:
         world, parts = trained
         if not rule:
@@ -176,6 +199,10 @@ class Plan:
         self, trained: Trained, models: Sequence[str]
     ) -> tuple[tuple[dict[str, str], ...], bool]:
         """Return the digests of the scores that an integrator is fitted on, and if a partner's."""
+        others = self._fitting_parts(trained)
+        if others:
+            own = ({m: self.scores_digest(trained, m, each) for m in models} for each in others)
+            return tuple(own), False
         partner = self.partner(trained)
         if partner is None:
             held_out = {m: self.scores_digest(trained, m, HELD_OUT) for m in models}
@@ -193,13 +220,15 @@ class Plan:
             of_cue[digest_of(model.cue)].append(model)
         joined = {model for each in self.methods.joined.values() for model in each.models}
         for models in of_cue.values():
-            for trained, tests in self.tests.items():
+            for trained, tested in self.tests.items():
+                fitting = self._fitting_parts(trained)
+                tests = [*tested, *fitting]
                 digests = {
                     (model.name, str(test)): self.scores_digest(trained, model.name, test)
                     for model in models
                     for test in tests
                 }
-                if self.partner(trained) is None:
+                if not fitting and self.partner(trained) is None:
                     digests |= {
                         (model.name, HELD_OUT): self.scores_digest(trained, model.name, HELD_OUT)
                         for model in models

@@ -126,34 +126,49 @@ def _logs_in(folder: Path) -> list[Path]:
 
 
 def made_by(make: Mapping[str, Any]) -> Iterator[Recorded]:
-    """Yield the recordings that are made on first use.
+    """Yield the recordings that are made on first use, or read straight from their sources.
 
     Parameters
     ----------
     make : mapping
-        ``source``: the config of what records them; ``vary``: parameters of it with lists of
-        values, one recording for each combination; ``worlds``: one parameter with a value or a
-        list of them, a world each; ``name`` and ``path``: formats of their names and paths, of
-        the parameters.
+        ``source``: the config of what records them; ``vary``: names with lists of values, one
+        recording for each combination; ``worlds``: one name with a value or a list of them, a
+        world each; ``name`` and ``path``: formats of their names and paths. A name that stands in
+        braces in a text of the source is filled in there; any other is a parameter of it. Without
+        a path the source is read itself, which suits what is fast to make.
 
     Raises
     ------
     UsageError
         If it makes no sense.
     """
-    lacking = [key for key in ("source", "vary", "name", "path") if key not in make]
+    lacking = [key for key in ("source", "vary", "name") if key not in make]
     if lacking:
         raise UsageError(f"make lacks {', '.join(lacking)}: give make.{lacking[0]}=...")
     for world in _combinations(make.get("worlds") or {}):
         for varied in _combinations(make["vary"]):
-            given = {**make["source"], **world, **varied}
-            yield Recorded(
-                _formatted(make["name"], given, "name"),
-                " ".join(f"{key} {value}" for key, value in world.items()),
-                {"plugin": "mcap", "path": _formatted(make["path"], given, "path")},
-                given,
-                {key: str(value) for key, value in varied.items()},
-            )
+            given = {**world, **varied}
+            source = _source(make["source"], given)
+            told = {key: str(value) for key, value in varied.items()}
+            name = _formatted(make["name"], {**source, **given}, "name")
+            of_world = " ".join(f"{key} {value}" for key, value in world.items())
+            if not make.get("path"):
+                yield Recorded(name, of_world, source, None, told)
+                continue
+            path = _formatted(make["path"], {**source, **given}, "path")
+            yield Recorded(name, of_world, {"plugin": "mcap", "path": path}, source, told)
+
+
+def _source(source: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the config of a source with names filled in, and those that it does not name added."""
+    texts = {key: value for key, value in source.items() if isinstance(value, str)}
+    named = {name for name in given if any(f"{{{name}}}" in text for text in texts.values())}
+    filled = {
+        key: _formatted(text, given, f"source.{key}")
+        for key, text in texts.items()
+        if any(f"{{{name}}}" in text for name in named)
+    }
+    return {**source, **filled, **{k: v for k, v in given.items() if k not in named}}
 
 
 def _combinations(lists: Mapping[str, Any]) -> list[dict[str, Any]]:

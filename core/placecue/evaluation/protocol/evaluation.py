@@ -12,7 +12,7 @@ from placecue.components.build import build
 from placecue.components.registry import Registry
 from placecue.errors import DataError, PlacecueError
 from placecue.evaluation.protocol.bench import Bench
-from placecue.evaluation.protocol.joining import fit_and_decide, result_of
+from placecue.evaluation.protocol.joining import fit_and_decide, result_of, scenes
 from placecue.evaluation.protocol.methods import Methods
 from placecue.evaluation.protocol.pairs import Split, splits_of
 from placecue.evaluation.protocol.plan import Plan
@@ -271,7 +271,9 @@ class _Told:
             return
         said = self.run.scores.load(task.digests[model, str(split.test)])
         result = result_of(split.pair, model, said.scores, said.labels, said.stamps, digest)
-        result = replace(result, seconds=said.seconds, settings=said.settings)
+        result = replace(
+            result, groups=scenes(said.groups), seconds=said.seconds, settings=said.settings
+        )
         self.run.store.save(result)
         self.kept(result)
 

@@ -110,6 +110,7 @@ def _decided(
     result = result_of(pair, task.method.name, scores, joined.labels, joined.stamps, digest)
     return replace(
         result,
+        groups=scenes(joined.groups),
         used=evidence.asked,
         seconds={"fitting": seconds, "deciding": perf_counter() - began},
         settings={"integrator": told} if (told := schemes.full.summary()) else {},
@@ -206,3 +207,10 @@ def result_of(
     return Result(
         pair, method, classes, truth, decided, confidence, np.asarray(stamps), digest=digest
     )
+
+
+def scenes(groups: NDArray[np.int64] | None) -> NDArray[np.int64]:
+    """Return the scene of each sample, or else its log; empty where neither is known."""
+    if groups is None:
+        return np.empty(0, dtype=np.int64)
+    return np.asarray(groups if groups.ndim < 2 else groups[:, -1], dtype=np.int64)

@@ -55,6 +55,8 @@ class Result:
         Of the decisions; NaN where there is none.
     stamps : ndarray of int64, shape (n,)
         Times of the samples, ns.
+    groups : ndarray of int64, shape (n,) or (0,)
+        The scene of each sample where a source knows scenes, else its log; empty if not known.
     used : mapping of str to ndarray of bool, shape (n,)
         For which samples each cue was asked.
     seconds : mapping of str to float
@@ -74,6 +76,7 @@ class Result:
     decided: NDArray[np.int16]
     confidence: NDArray[np.float32]
     stamps: NDArray[np.int64]
+    groups: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     used: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)

@@ -60,6 +60,7 @@ class ResultStore:
             "decided": result.decided,
             "confidence": result.confidence,
             "stamps": result.stamps,
+            "groups": result.groups,
             "used": np.array(list(result.used.values()), dtype=bool).reshape(-1, len(result)),
         }
         write_arrays(self.path(result.digest), arrays)
@@ -90,6 +91,7 @@ class ResultStore:
                 arrays["decided"],
                 arrays["confidence"],
                 arrays["stamps"],
+                arrays["groups"],
                 dict(zip(about["used"], arrays["used"], strict=True)),
                 about["seconds"],
                 about["settings"],

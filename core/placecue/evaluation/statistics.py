@@ -200,7 +200,7 @@ def critical_difference(k: int, n: int, alpha: float = ALPHA) -> float:
     from scipy.stats import studentized_range
 
     quantile = float(studentized_range.ppf(1 - alpha, k, np.inf)) / 2**0.5
-    return quantile * (k * (k + 1) / (6 * n)) ** 0.5
+    return float(quantile * np.sqrt(k * (k + 1) / (6 * n)))
 
 
 def _ranks(scores: ArrayLike, test: str) -> NDArray[np.float64]:

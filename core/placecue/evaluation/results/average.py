@@ -66,8 +66,17 @@ def average_score(results: Sequence[Result]) -> Number:
     return Number(float(found.mean), float(found.deviation), int(found.pairs))
 
 
-def average_confusion(results: Sequence[Result]) -> tuple[list[str], Average]:
+def average_confusion(
+    results: Sequence[Result], classes: Sequence[str] | None = None
+) -> tuple[list[str], Average]:
     """Return the classes of some results, and which share of each was taken for which, %.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        At least one.
+    classes : sequence of str, optional
+        Every class there is, where others' results have more than these.
 
     Returns
     -------
@@ -77,10 +86,9 @@ def average_confusion(results: Sequence[Result]) -> tuple[list[str], Average]:
         Of shape (M, M + 1): rows are the truth, the last column is undecided. A class that a
         recording does not have counts for nothing there.
     """
-    classes = sorted({name for each in results for name in each.classes})
-    return classes, averaged(
-        [each.pair for each in results], [_shares(each, classes) for each in results]
-    )
+    names = list(classes or sorted({name for each in results for name in each.classes}))
+    shares = [_shares(each, names) for each in results]
+    return names, averaged([each.pair for each in results], shares)
 
 
 def _shares(result: Result, classes: Sequence[str]) -> NDArray[np.float64]:
@@ -105,4 +113,6 @@ def _deviation(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _divided(above: Any, below: Any) -> NDArray[np.float64]:
     """Divide; NaN where nothing is below."""
     above, below = np.broadcast_arrays(np.asarray(above, dtype=np.float64), below)
-    return np.divide(above, below, out=np.full(above.shape, np.nan), where=below > 0)
+    shares: NDArray[np.float64] = np.full(above.shape, np.nan)
+    np.divide(above, below, out=shares, where=below > 0)
+    return shares

@@ -14,7 +14,7 @@ NOTHING = "–"
 _LATEX = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
     "{": r"\{", "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
-    "<": r"$<$", ">": r"$>$", "|": r"\textbar{}", "±": r"$\pm$", "→": r"$\to$", "↔": r"$\leftrightarrow$",
+    "<": r"$<$", ">": r"$>$", "|": r"\textbar{}", "±": r"$\pm$", "→": r"$\to$",
     "χ": r"$\chi$", "²": r"$^2$", "°": r"$^\circ$", "≥": r"$\geq$", "≤": r"$\leq$", "–": "--",
     "×": r"$\times$",
 }  # fmt: skip

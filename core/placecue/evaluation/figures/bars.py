@@ -9,7 +9,7 @@ import numpy as np
 from placecue.evaluation.figures.drawn import Drawn
 from placecue.evaluation.figures.grouped import Bars, draw_grouped
 from placecue.evaluation.figures.spec import Spec
-from placecue.evaluation.figures.style import Fill, legend_below, method_fills, titled
+from placecue.evaluation.figures.style import Fill, legend_below, legend_rows, method_fills, titled
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.average import Number, average_score
 from placecue.evaluation.results.results import Results
@@ -95,7 +95,9 @@ def _figure(spec: Spec, panels: Mapping[str, Places], drawn: Sequence[Bars]):  #
     width = drawn[0].width
     columns = max(1, min(len(drawn), int(14 / width)))
     rows = -(-len(drawn) // columns)
-    figure = Figure((width * columns, 1.4 + 2.7 * rows), dpi=110, layout="constrained")
+    labels = list(dict.fromkeys(bar for each in drawn for bar in each.bars))
+    height = 0.9 + 2.7 * rows + 0.19 * legend_rows(width * columns, labels)
+    figure = Figure((width * columns, height), dpi=110, layout="constrained")
     grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
     for axes, name, each in zip(grid.flat, panels, drawn, strict=False):
         draw_grouped(axes, each, bottom=bottom)

@@ -97,8 +97,7 @@ def _figure(
         axes.set_yticks(range(len(labels)), labels)
     for axes in list(grid.flat)[len(classes) :]:
         axes.set_axis_off()
-    for axes in list(grid.flat)[max(len(classes) - columns, 0) : len(classes)]:
-        axes.set_xlabel("taken for (% of the errors)", fontsize=SMALL)
+    figure.supxlabel("taken for (% of the errors)", fontsize=SMALL)
     undecided = any((each[:, -1] > 0).any() for each in spread.values())
     _legend(figure, [*classes, *([UNDECIDED] if undecided else [])])
     titled(figure, spec.heading)

@@ -59,13 +59,17 @@ def draw_grouped(
     axes: Axes, what: Bars, *, top: float = 101.5, bottom: float | None = None
 ) -> None:
     """Draw bars with whiskers into axes that go from ``bottom`` to 100 %."""
+    from matplotlib.ticker import MultipleLocator
+
     at, width = np.arange(len(what.groups)), FILLED / max(len(what.bars), 1)
     bottom = what.bottom if bottom is None else bottom
     for number, (name, fill) in enumerate(zip(what.bars, what.fills, strict=True)):
         x = at + (number - (len(what.bars) - 1) / 2) * width
         height = what.heights[:, number]
         axes.bar(x, height, width, label=name, **fill._asdict(), edgecolor="white", linewidth=0.5)
-        axes.errorbar(x, height, what.deviations[:, number], fmt="none", ecolor="#222222",
+        # Nothing is above 100 %.
+        whisker = what.deviations[:, number], np.minimum(what.deviations[:, number], 100 - height)
+        axes.errorbar(x, height, whisker, fmt="none", ecolor="#222222",
                       elinewidth=0.8, capsize=min(2.5, 25 * width))  # fmt: skip
         if what.marks is not None and np.isfinite(what.marks[:, number]).any():
             axes.plot(x, what.marks[:, number], "D", color="white", markeredgecolor="black",
@@ -75,6 +79,7 @@ def draw_grouped(
     axes.set_ylim(bottom, 101.5)  # a whisker that ends at 100 is seen
     axes.set_xlim(-0.5, max(len(what.groups), 1) - 0.5)
     axes.set_xticks(at, what.groups)
+    axes.yaxis.set_major_locator(MultipleLocator(5 if bottom >= 50 else 10))
     plain(axes)
     axes.tick_params(axis="x", length=0)
     _turn(axes, what)

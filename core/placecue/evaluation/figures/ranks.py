@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.evaluation.figures.drawn import Drawn
-from placecue.evaluation.figures.shared import shared_scores
+from placecue.evaluation.figures.shared import scores_of, shared
 from placecue.evaluation.figures.spec import Spec
 from placecue.evaluation.figures.style import SMALL, method_fills, text_width, titled
 from placecue.evaluation.results.about import About
@@ -43,7 +43,9 @@ def draw(results: Results, spec: Spec, about: About) -> Drawn:
     DataError, UsageError
         As :func:`placecue.evaluation.statistics.friedman` does.
     """
-    scores, left = shared_scores(results, spec, spec.methods)
+    of_method = scores_of(results, spec)
+    scores = shared(of_method, spec.methods)
+    left = len({pair for of in of_method.values() for pair in of}) - len(scores)
     test = friedman(scores, float(spec.options.get("alpha", ALPHA)))
     order = np.argsort(test.ranks, kind="stable")
     p = nemenyi(scores)[np.ix_(order, order)]

@@ -1,30 +1,35 @@
-"""Scores of methods over the pairs that all of them have results of."""
+"""Scores of methods over the pairs that all of them have a score of."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from placecue.evaluation.figures.spec import Spec
+from placecue.evaluation.results.result import Pair
 from placecue.evaluation.results.results import Results
 
+#: By method: the score of each pair, as far as it is defined.
+Scores = Mapping[str, Mapping[Pair, float]]
 
-def shared_scores(
-    results: Results, spec: Spec, methods: Sequence[str]
-) -> tuple[NDArray[np.float64], int]:
-    """Return scores over the pairs of a figure's experiments that all methods have a score of.
 
-    Returns
-    -------
-    ndarray of float64, shape (pairs, methods)
-        Balanced accuracy, 0 to 1.
-    int
-        How many more pairs some of the methods have.
-    """
-    pairs, scores = results.paired(methods)
-    asked = np.array([pair.experiment in spec.experiments for pair in pairs], dtype=bool)
-    scores = scores[asked & np.isfinite(scores).all(axis=1)]
-    met = {each.pair for m in methods for e in spec.experiments for each in results.of(m, e)}
-    return scores, len(met) - len(scores)
+def scores_of(results: Results, spec: Spec) -> Scores:
+    """Return the scores of a figure's methods in its experiments, 0 to 1."""
+    return {
+        method: {
+            pair: score
+            for pair, score in results.scores(method).items()
+            if pair.experiment in spec.experiments and np.isfinite(score)
+        }
+        for method in spec.methods
+    }
+
+
+def shared(scores: Scores, methods: Sequence[str]) -> NDArray[np.float64]:
+    """Return the scores over the n pairs that all of some methods have, shape (n, methods)."""
+    of_method = [scores[method] for method in methods]
+    pairs = [pair for pair in of_method[0] if all(pair in each for each in of_method)]
+    table = [[each[pair] for each in of_method] for pair in pairs]
+    return np.array(table, dtype=np.float64).reshape(len(pairs), len(methods))

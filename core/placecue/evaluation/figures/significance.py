@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from placecue.evaluation.figures.drawn import Drawn
-from placecue.evaluation.figures.shared import shared_scores
+from placecue.evaluation.figures.shared import scores_of, shared
 from placecue.evaluation.figures.spec import Spec
 from placecue.evaluation.results.about import About, Method
 from placecue.evaluation.results.results import Results
@@ -25,15 +25,17 @@ def draw(results: Results, spec: Spec, about: About) -> Drawn:
     """
     alternative = spec.options.get("alternative", "two-sided")
     alpha = float(spec.options.get("alpha", ALPHA))
+    scores = scores_of(results, spec)
     rows: list[list[Cell]] = []
     numbers: list[list[Cell]] = []
     notes = [f"Wilcoxon's signed-rank test, {alternative}, zeros split, not corrected for the "
              f"number of tests; α = {alpha:g}."]  # fmt: skip
     for method, other in asked(spec, about):
-        test = compare(results, spec, method, other, alternative)
-        if test is None:
+        table = shared(scores, [method, other])
+        if not len(table):
             notes.append(f"'{method}' and '{other}' share no pair.")
             continue
+        test = signed_rank(*table.T, alternative=alternative)
         names: list[Cell] = [spec.label(method), spec.label(other), test.n]
         difference = 100 * test.median
         numbers.append([method, other, test.n, test.equal, difference, test.statistic, test.p,
@@ -69,16 +71,6 @@ def parts(name: str, methods: Mapping[str, Method]) -> list[str]:
         and set(each.cues) < set(whole.cues)
         and (len(each.cues) == 1 or each.integrator == whole.integrator)
     ]
-
-
-def compare(
-    results: Results, spec: Spec, method: str, other: str, alternative: Any
-) -> SignedRank | None:
-    """Test two methods over the pairs that both have a score of; None where there is none."""
-    scores, _ = shared_scores(results, spec, [method, other])
-    if not len(scores):
-        return None
-    return signed_rank(scores[:, 0], scores[:, 1], alternative)
 
 
 def _shown(p: float) -> str:

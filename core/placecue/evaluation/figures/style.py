@@ -11,9 +11,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Tol's "muted" colours, told apart by the colour-blind too; those of places are others.
+#: Tol's "muted" colours with two more, told apart by the colour-blind too; those of places are
+#: others. Eleven is prime: of methods in blocks (three extensions of each cue, say) those that
+#: are compared, every third, do not come out alike.
 METHODS = ("#332288", "#DDCC77", "#44AA99", "#CC6677", "#88CCEE", "#882255", "#117733",
-           "#999933", "#AA4499")  # fmt: skip
+           "#EE7733", "#999933", "#AA4499", "#AAAAAA")  # fmt: skip
 #: What is drawn over a colour when all have been used up once, twice, ...
 HATCHES = ("", "///", "--", "xx", "||")
 UNDECIDED = "undecided"
@@ -61,11 +63,14 @@ def legend_below(figure: Figure, axes: Axes) -> None:
                   ncols=legend_columns(figure, labels))  # fmt: skip
 
 
+def legend_rows(width: float, labels: Sequence[str]) -> int:
+    """Return how many rows names take under a figure so wide, inches."""
+    return -(-len(labels) // max(1, int((width - 0.3) / (text_width(labels) + 0.55))))
+
+
 def legend_columns(figure: Figure, labels: Sequence[str]) -> int:
     """Return into how many columns names go, of about the same length."""
-    most = max(1, int((figure.get_figwidth() - 0.3) / (text_width(labels) + 0.55)))
-    rows = -(-len(labels) // most)
-    return max(1, -(-len(labels) // max(rows, 1)))
+    return max(1, -(-len(labels) // max(legend_rows(figure.get_figwidth(), labels), 1)))
 
 
 def titled(figure: Figure, heading: str) -> None:

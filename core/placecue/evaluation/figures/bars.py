@@ -9,7 +9,7 @@ import numpy as np
 from placecue.evaluation.figures.drawn import Drawn
 from placecue.evaluation.figures.grouped import Bars, draw_grouped
 from placecue.evaluation.figures.spec import Spec
-from placecue.evaluation.figures.style import Fill, legend_below, legend_rows, method_fills, titled
+from placecue.evaluation.figures.style import Fill, finish, legend_below, legend_rows, method_fills
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.average import Number, average_score
 from placecue.evaluation.results.results import Results
@@ -107,7 +107,7 @@ def _figure(spec: Spec, panels: Mapping[str, Places], drawn: Sequence[Bars]):  #
     for axes in list(grid.flat)[len(drawn) :]:
         axes.set_axis_off()
     legend_below(figure, max(grid.flat, key=lambda axes: len(axes.get_legend_handles_labels()[1])))
-    titled(figure, spec.heading)
+    finish(figure, spec.heading)
     return figure
 
 

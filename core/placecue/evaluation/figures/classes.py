@@ -10,7 +10,7 @@ from placecue.evaluation.figures.confusion import confusions
 from placecue.evaluation.figures.drawn import Drawn
 from placecue.evaluation.figures.grouped import Bars, draw_grouped
 from placecue.evaluation.figures.spec import Spec
-from placecue.evaluation.figures.style import legend_below, legend_rows, method_fills, titled
+from placecue.evaluation.figures.style import finish, legend_below, legend_rows, method_fills
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.average import Number
 from placecue.evaluation.results.results import Results
@@ -58,13 +58,12 @@ def draw(results: Results, spec: Spec, about: About) -> Drawn:
 def _figure(spec: Spec, bars: Bars) -> Figure:
     from matplotlib.figure import Figure
 
-    figure = Figure(
-        (bars.width, 3.5 + 0.19 * legend_rows(bars.width, bars.bars)), dpi=110, layout="constrained"
-    )
+    height = 3.5 + 0.19 * legend_rows(bars.width, bars.bars)
+    figure = Figure((bars.width, height), dpi=110, layout="constrained")
     axes = figure.subplots()
     bottom = spec.options.get("bottom")
     draw_grouped(axes, bars, bottom=None if bottom is None else float(bottom))
     axes.set_ylabel("recognised (% of the class)", fontsize=9)
     legend_below(figure, axes)
-    titled(figure, spec.heading)
+    finish(figure, spec.heading)
     return figure

@@ -10,7 +10,7 @@ import numpy as np
 from placecue.errors import UsageError
 from placecue.evaluation.figures.drawn import Drawn
 from placecue.evaluation.figures.spec import Spec
-from placecue.evaluation.figures.style import SMALL, UNDECIDED, text_width, titled
+from placecue.evaluation.figures.style import SMALL, UNDECIDED, finish, text_width
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.average import Average, average_confusion
 from placecue.evaluation.results.result import Result
@@ -91,7 +91,7 @@ def _figure(spec: Spec, classes: Sequence[str], found: Sequence[Confusion]) -> F
         axes.set_axis_off()
     figure.supylabel("actual class", fontsize=9)
     figure.supxlabel("taken for (%)", fontsize=9)
-    titled(figure, spec.heading)
+    finish(figure, spec.heading)
     return figure
 
 

@@ -15,10 +15,10 @@ from placecue.evaluation.figures.style import (
     SMALL,
     UNDECIDED,
     class_fills,
+    finish,
     legend_columns,
     plain,
     text_width,
-    titled,
 )
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.results import Results
@@ -97,10 +97,9 @@ def _figure(
         axes.set_yticks(range(len(labels)), labels)
     for axes in list(grid.flat)[len(classes) :]:
         axes.set_axis_off()
-    figure.supxlabel("taken for (% of the errors)", fontsize=SMALL)
     undecided = any((each[:, -1] > 0).any() for each in spread.values())
     _legend(figure, [*classes, *([UNDECIDED] if undecided else [])])
-    titled(figure, spec.heading)
+    finish(figure, spec.heading)
     return figure
 
 
@@ -132,4 +131,5 @@ def _legend(figure: Figure, names: Sequence[str]) -> None:
     handles = [Patch(facecolor=color, hatch=hatch, edgecolor="white", label=name)
                for name, (color, hatch) in ((name, fills[name]) for name in names)]  # fmt: skip
     figure.legend(handles=handles, loc="outside lower center", fontsize=SMALL, frameon=False,
+                  title="taken for (% of the errors)", title_fontsize=SMALL,
                   ncols=legend_columns(figure, names))  # fmt: skip

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: Share of the room between two groups that bars take.
 FILLED = 0.84
+#: And one bar at most.
+WIDEST = 0.35
 
 
 class Bars(NamedTuple):
@@ -61,7 +63,7 @@ def draw_grouped(
     """Draw bars with whiskers into axes that go from ``bottom`` to 100 %."""
     from matplotlib.ticker import MultipleLocator
 
-    at, width = np.arange(len(what.groups)), FILLED / max(len(what.bars), 1)
+    at, width = np.arange(len(what.groups)), min(FILLED / max(len(what.bars), 1), WIDEST)
     bottom = what.bottom if bottom is None else bottom
     for number, (name, fill) in enumerate(zip(what.bars, what.fills, strict=True)):
         x = at + (number - (len(what.bars) - 1) / 2) * width

@@ -109,7 +109,7 @@ def drawn(told: Mapping[str, Any], results: Results, about: About) -> tuple[Spec
     check([told], about)
     spec = read(told, results, about)
     if not spec.methods or not spec.experiments:
-        raise DataError(f"{spec.name}: there is no result of what it shows")
+        raise DataError("there is no result of what it shows")
     return spec, KINDS[spec.kind].draw(results, spec, about)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from placecue.evaluation.figures.drawn import Drawn
 from placecue.evaluation.figures.shared import scores_of, shared
 from placecue.evaluation.figures.spec import Spec
-from placecue.evaluation.figures.style import SMALL, method_fills, text_width, titled
+from placecue.evaluation.figures.style import SMALL, finish, method_fills, text_width
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.table import Cell, Table
@@ -110,7 +110,7 @@ def _figure(spec: Spec, test: Friedman, labels: Sequence[str], colours: Sequence
     axes.set_xlim(0, width)
     axes.set_ylim(height, 0)
     axes.set_axis_off()
-    titled(figure, spec.heading)
+    finish(figure, spec.heading)
     x, y = side + (ranks - 1) / (k - 1) * AXIS, HEADING + ABOVE
     _axis(axes, side, y, k, test.critical_difference)
     for number, (first, last) in enumerate(runs):

@@ -35,7 +35,7 @@ def draw(results: Results, spec: Spec, about: About) -> Drawn:
         if not len(table):
             notes.append(f"'{method}' and '{other}' share no pair.")
             continue
-        test = signed_rank(*table.T, alternative=alternative)
+        test = signed_rank(table[:, 0], table[:, 1], alternative)
         names: list[Cell] = [spec.label(method), spec.label(other), test.n]
         difference = 100 * test.median
         numbers.append([method, other, test.n, test.equal, difference, test.statistic, test.p,

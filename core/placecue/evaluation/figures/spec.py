@@ -2,16 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from placecue.errors import UsageError, choices
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.results import Results
+from placecue.evaluation.statistics import ALTERNATIVES
 
 #: What every kind takes; a kind may take more.
 COMMON = frozenset({"name", "kind", "title", "methods", "experiments", "names"})
+
+
+def _a_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _texts(value: Any) -> bool:
+    return isinstance(value, Sequence) and not _a_text(value) and all(map(_a_text, value))
+
+
+def _a_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _names(value: Any) -> bool:
+    return isinstance(value, Mapping) and _texts([*value, *value.values()])
+
+
+#: What the value of each key is to be, and how that is said; else it is a text.
+SHAPES: Mapping[str, tuple[Callable[[Any], bool], str]] = {
+    "methods": (_texts, "a list of methods"),
+    "experiments": (_texts, "a list of experiments"),
+    "names": (_names, "names by method"),
+    "bottom": (lambda v: _a_number(v) and v < 100, "a number under 100"),
+    "alpha": (lambda v: _a_number(v) and 0 < v < 1, "a number between 0 and 1"),
+    "alternative": (lambda v: v in ALTERNATIVES, f"one of {', '.join(ALTERNATIVES)}"),
+    "groups": (lambda v: isinstance(v, Mapping) and all(map(_names, v.values())),
+               "by group the methods by the name of their bar"),
+    "pairs": (lambda v: isinstance(v, Sequence) and all(_texts(e) and len(e) == 2 for e in v),
+              "a list of two methods each"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -70,13 +102,14 @@ def checked(told: Mapping[str, Any], keys: Collection[str], about: About) -> Non
     Raises
     ------
     UsageError
-        If a key, a method or an experiment is unknown, or what should be a list is none.
+        If a key, a method or an experiment is unknown, or a value is not what it is to be.
     """
     name = told["name"]
     _known(told, keys, f"'{name}' takes no", f"kind '{told['kind']}'")
-    for key in ("methods", "experiments"):
-        if isinstance(told.get(key, ()), str):
-            raise UsageError(f"'{name}': {key} is a list, here it is '{told[key]}'")
+    for key, value in told.items():
+        fits, shape = SHAPES.get(key, (_a_text, "a text"))
+        if value is not None and not fits(value):
+            raise UsageError(f"'{name}': {key} is to be {shape}, here it is {value!r}")
     _known(asked_methods(told), about.methods, f"'{name}' names an unknown method", "methods")
     _known(told.get("experiments") or (), about.experiments,
            f"'{name}' names an unknown experiment", "experiments")  # fmt: skip
@@ -94,7 +127,7 @@ def read(told: Mapping[str, Any], results: Results, about: About) -> Spec:
     about : About
         The methods and experiments, in the order in which they are shown.
     """
-    methods = list(told.get("methods") or asked_methods(told) or about.methods)
+    methods = asked_methods(told) or list(about.methods)
     experiments = list(told.get("experiments") or about.experiments)
     there = {each.method for each in results if not each.error}
     tried = {each.pair.experiment for each in results if not each.error}

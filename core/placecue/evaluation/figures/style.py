@@ -73,11 +73,16 @@ def legend_columns(figure: Figure, labels: Sequence[str]) -> int:
     return max(1, -(-len(labels) // max(legend_rows(figure.get_figwidth(), labels), 1)))
 
 
-def titled(figure: Figure, heading: str) -> None:
-    """Write the heading, in lines that fit the width."""
+def finish(figure: Figure, heading: str) -> None:
+    """Write the heading, in lines that fit the width, and lay everything out, once.
+
+    Laid out anew for each format, a figure would look a little different each time.
+    """
     from textwrap import fill
 
     figure.suptitle(fill(heading, int(figure.get_figwidth() / 0.093)), fontsize=10)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
 
 
 def _fills(names: Sequence[str], palette: Sequence[str]) -> dict[str, Fill]:

@@ -11,7 +11,7 @@ from placecue.errors import DataError
 from placecue.evaluation.figures.drawn import Drawn
 from placecue.evaluation.figures.grouped import Bars, draw_grouped
 from placecue.evaluation.figures.spec import Spec
-from placecue.evaluation.figures.style import legend_below, method_fills, titled
+from placecue.evaluation.figures.style import finish, legend_below, method_fills
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.average import Number, averaged
 from placecue.evaluation.results.result import Result
@@ -40,7 +40,7 @@ def draw(results: Results, spec: Spec, about: About) -> Drawn:
     told = told_methods(results, spec)
     methods = [method for method in spec.methods if method in told]
     if not methods:
-        raise DataError(f"{spec.name}: every method used all its cues for every sample")
+        raise DataError("every method used all its cues for every sample: nothing to show")
     found = {
         (method, cue): [used_share(results.of(method, e), cue) for e in spec.experiments]
         for method in methods
@@ -101,7 +101,7 @@ def _figure(spec: Spec, methods: Sequence[str], found: Shares) -> Figure:
     for axes in list(grid.flat)[len(panels) :]:
         axes.set_axis_off()
     legend_below(figure, max(grid.flat, key=lambda axes: len(axes.get_legend_handles_labels()[1])))
-    titled(figure, spec.heading)
+    finish(figure, spec.heading)
     return figure
 
 

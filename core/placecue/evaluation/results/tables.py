@@ -48,7 +48,7 @@ def summary_table(results: Results, methods: Sequence[str], experiments: Sequenc
         for experiment in experiments
     }
     most = {e: max((found[m, e].pairs for m in methods), default=0) for e in experiments}
-    columns = ["method", *(f"{e} ({most[e]} pairs)" for e in experiments)]
+    columns = ["method", *(f"{e} ({counted(most[e])})" for e in experiments)]
     return Table(
         columns,
         [[m, *(with_deviation(found[m, e], most[e]) for e in experiments)] for m in methods],
@@ -60,8 +60,13 @@ def with_deviation(number: Number, pairs: int | None = None) -> str:
     if not number.pairs:
         return NOTHING
     spread = "" if number.deviation != number.deviation else f" ± {number.deviation:.1f}"
-    count = "" if pairs in (None, number.pairs) else f" ({number.pairs} pairs)"
+    count = "" if pairs in (None, number.pairs) else f" ({counted(number.pairs)})"
     return f"{number.mean:.1f}{spread}{count}"
+
+
+def counted(pairs: int) -> str:
+    """Return ``1 pair`` or ``12 pairs``."""
+    return f"{pairs} pair{'' if pairs == 1 else 's'}"
 
 
 def _row(result: Result, classes: Sequence[str]) -> list[Cell]:

@@ -267,6 +267,14 @@ def test_a_method_without_results_is_left_out_and_said(results, about, tmp_path)
     assert not (tmp_path / "none").exists()
 
 
+def test_methods_may_be_called_otherwise(results, about):
+    told = spec("bars", methods=SOME[:2], experiments=["Exp 1"], names={SOME[0]: "colours"})
+    _, made = drawn(told, results, about)
+    assert [row[0] for row in made.table.rows] == ["colours", "SIFT OaO"]
+    assert [row["method"] for row in numbers(made)] == SOME[:2]
+    assert "colours" in [text.get_text() for text in texts(made.figure)]
+
+
 def test_fewer_pairs_are_told(results, about):
     fewer = Results(e for e in results if e.method != SOME[0] or e.pair.world == "world 1")
     _, made = drawn(spec("bars", methods=SOME, experiments=["Exp 1"]), fewer, about)
@@ -289,6 +297,9 @@ def test_fewer_pairs_are_told(results, about):
         (spec("significance", alternative="more"), "one of two-sided, greater, less"),
         (spec("significance", pairs=[["CRFH OaO"]]), "pairs is to be a list of two methods each"),
         (spec("errors", bottom=3), "takes no 'bottom'"),
+        (spec("bars", methods=SOME, groups={"A": {"b": SOME[0]}}), "leave methods out"),
+        (spec("bars", names={SOME[0]: "one", SOME[1]: "one"}), "names call two methods 'one'"),
+        (spec("bars", names={SOME[0]: SOME[1]}), "names call two methods 'SIFT OaO'"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_refused_in_a_line(told, said, about):

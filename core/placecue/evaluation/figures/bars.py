@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from placecue.evaluation.results.average import Number, average_score
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.table import Cell, Table
 from placecue.evaluation.results.tables import with_deviation
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: By group and bar: the method and experiment that are shown.
 Places = Mapping[tuple[str, str], tuple[str, str]]
@@ -87,7 +91,7 @@ def _bars(
     return Bars(groups, bars, values[0], values[1], [fills[bar] for bar in bars], marks)
 
 
-def _figure(spec: Spec, panels: Mapping[str, Places], drawn: Sequence[Bars]):  # type: ignore[no-untyped-def]
+def _figure(spec: Spec, panels: Mapping[str, Places], drawn: Sequence[Bars]) -> Figure:
     from matplotlib.figure import Figure
 
     bottom = spec.options.get("bottom")
@@ -106,7 +110,7 @@ def _figure(spec: Spec, panels: Mapping[str, Places], drawn: Sequence[Bars]):  #
         axes.set_ylabel("balanced accuracy (%)", fontsize=9)
     for axes in list(grid.flat)[len(drawn) :]:
         axes.set_axis_off()
-    legend_below(figure, max(grid.flat, key=lambda axes: len(axes.get_legend_handles_labels()[1])))
+    legend_below(figure, grid.flat)
     finish(figure, spec.heading)
     return figure
 

@@ -64,6 +64,6 @@ def _figure(spec: Spec, bars: Bars) -> Figure:
     bottom = spec.options.get("bottom")
     draw_grouped(axes, bars, bottom=None if bottom is None else float(bottom))
     axes.set_ylabel("recognised (% of the class)", fontsize=9)
-    legend_below(figure, axes)
+    legend_below(figure, [axes])
     finish(figure, spec.heading)
     return figure

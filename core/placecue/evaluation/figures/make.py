@@ -5,6 +5,10 @@ A config lists figures and tables as mappings::
     figures:
       - {name: Figure 7, kind: bars, title: Single cues, methods: [crfh oaa, laser oaa]}
       - {name: Figure 11, kind: ranks, experiments: [Exp 1, Exp 2]}
+
+Every kind takes ``name``, ``kind``, ``title``, ``methods`` and ``experiments`` (all by default) and
+``names`` (what methods are called in the figure); what it takes besides is told where it is drawn.
+Figures and tables differ only in that tables have no picture.
 """
 
 from __future__ import annotations

@@ -110,9 +110,16 @@ def checked(told: Mapping[str, Any], keys: Collection[str], about: About) -> Non
         fits, shape = SHAPES.get(key, (_a_text, "a text"))
         if value is not None and not fits(value):
             raise UsageError(f"'{name}': {key} is to be {shape}, here it is {value!r}")
+    for key in ("groups", "pairs"):
+        if told.get(key) and told.get("methods"):
+            raise UsageError(f"'{name}': {key} name the methods already, leave methods out")
     _known(asked_methods(told), about.methods, f"'{name}' names an unknown method", "methods")
     _known(told.get("experiments") or (), about.experiments,
            f"'{name}' names an unknown experiment", "experiments")  # fmt: skip
+    labels = [(told.get("names") or {}).get(method, method) for method in about.methods]
+    twice = sorted({label for label in labels if labels.count(label) > 1})
+    if twice:
+        raise UsageError(f"'{name}': names call two methods '{twice[0]}', give each its own")
 
 
 def read(told: Mapping[str, Any], results: Results, about: About) -> Spec:

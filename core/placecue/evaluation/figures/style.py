@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from placecue.evaluation.map_figure import GREY, PALETTE
 
@@ -53,14 +53,16 @@ def plain(axes: Axes, grid: str = "y") -> None:
     axes.tick_params(labelsize=SMALL)
 
 
-def legend_below(figure: Figure, axes: Axes) -> None:
+def legend_below(figure: Figure, panels: Iterable[Axes]) -> None:
     """Explain what is drawn under all panels, in as many columns as there is room for."""
-    handles, labels = axes.get_legend_handles_labels()
+    found: dict[str, Any] = {}
+    for axes in panels:
+        handles, labels = axes.get_legend_handles_labels()
+        found = dict(zip(labels, handles, strict=True)) | found
     # What is another source's comes last.
-    order = sorted(range(len(labels)), key=lambda at: labels[at] == PAPER)
-    handles, labels = [handles[at] for at in order], [labels[at] for at in order]
-    figure.legend(handles, labels, loc="outside lower center", fontsize=SMALL, frameon=False,
-                  ncols=legend_columns(figure, labels))  # fmt: skip
+    labels = sorted(found, key=lambda label: label == PAPER)
+    figure.legend([found[label] for label in labels], labels, loc="outside lower center",
+                  fontsize=SMALL, frameon=False, ncols=legend_columns(figure, labels))  # fmt: skip
 
 
 def legend_rows(width: float, labels: Sequence[str]) -> int:

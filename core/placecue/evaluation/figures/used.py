@@ -100,7 +100,7 @@ def _figure(spec: Spec, methods: Sequence[str], found: Shares) -> Figure:
         axes.set_ylabel("used (% of samples)", fontsize=9)
     for axes in list(grid.flat)[len(panels) :]:
         axes.set_axis_off()
-    legend_below(figure, max(grid.flat, key=lambda axes: len(axes.get_legend_handles_labels()[1])))
+    legend_below(figure, grid.flat)
     finish(figure, spec.heading)
     return figure
 

@@ -80,7 +80,7 @@ def _figure(spec: Spec, classes: Sequence[str], found: Sequence[Confusion]) -> F
     rows = -(-len(found) // columns)
     side = max(1.9, 0.36 * (len(classes) + 1))
     names = text_width(classes)
-    figure = Figure((columns * (side + 0.25) + names + 0.4, 0.5 + rows * (side + 0.35) + names),
+    figure = Figure((columns * (side + 0.25) + names + 0.4, 0.95 + rows * (side + 0.45) + names),
                     dpi=110, layout="constrained")  # fmt: skip
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     undecided = any((each.mean[:, -1] >= SHOWN).any() for each in found)

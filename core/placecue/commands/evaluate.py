@@ -118,8 +118,9 @@ def evaluate(
         methods=_told(run.methods),
         experiments=_counts(run),
         digests=list(run.digests.values()),
-        figures=config["figures"] or [],
-        tables=config["tables"] or [],
+        # Of some methods only, what the experiment draws of all makes no sense.
+        figures=[] if config["only"] else config["figures"] or [],
+        tables=[] if config["only"] else config["tables"] or [],
         paper=config["paper"],
         versions=versions(plugins),
         command=" ".join(["placecue evaluate", *HydraConfig.get().overrides.task]),
@@ -208,8 +209,7 @@ def options_in(words: Sequence[str], group: str) -> list[str]:
 def _told(methods: Methods) -> dict[str, Method]:
     singles = {n: Method([n], "", each.words) for n, each in methods.models.items()}
     joined = {
-        n: Method(list(each.models), str(each.integrator["plugin"]), each.words)
-        for n, each in methods.joined.items()
+        n: Method(list(each.models), each.words, each.words) for n, each in methods.joined.items()
     }
     return {**singles, **joined}
 

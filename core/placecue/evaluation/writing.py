@@ -1,0 +1,49 @@
+"""Everything that is made of results without computing any: tables, figures, the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from placecue.evaluation.figures.make import Made, check, make_all
+from placecue.evaluation.results.about import About
+from placecue.evaluation.results.results import Results
+from placecue.evaluation.results.tables import write_results
+
+FIGURES = "figures"
+#: What is drawn where an experiment asks for nothing.
+USUAL: Sequence[dict[str, Any]] = (
+    {"name": "Scores", "kind": "bars", "title": "Balanced accuracy (%), mean over pairs"},
+    {"name": "Summary", "kind": "summary", "title": "Balanced accuracy (%)"},
+    {"name": "Recalls", "kind": "classes", "title": "Share of each class recognised (%)"},
+    {"name": "Confusion", "kind": "confusion", "title": "What each class was taken for"},
+    {"name": "Significance", "kind": "significance", "title": "Joined cues against their parts"},
+)
+
+
+def asked_for(about: About) -> list[dict[str, Any]]:
+    """Return what is to be drawn, as mappings of a config."""
+    asked = [dict(each) for each in (*about.figures, *about.tables)]
+    return asked or [dict(each) for each in USUAL]
+
+
+def check_figures(about: About) -> None:
+    """Raise UsageError where a figure or table cannot be drawn, before anything is computed."""
+    check(asked_for(about), about)
+
+
+def write_tables_and_figures(
+    folder: Path, about: About, results: Results
+) -> tuple[list[Made], list[str]]:
+    """Write ``results.csv`` and the figures and tables of an experiment.
+
+    Returns
+    -------
+    list of Made
+        The figures and tables, and where they are.
+    list of str
+        What could not be drawn, and why.
+    """
+    write_results(results, folder)
+    return make_all(asked_for(about), results, about, folder / FIGURES)

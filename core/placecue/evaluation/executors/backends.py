@@ -71,21 +71,21 @@ def _loky(chosen: Mapping[str, Any]) -> Iterator[Executor]:
 def _dask(chosen: Mapping[str, Any]) -> Iterator[Executor]:
     _check_installed("dask", "distributed")
     import dask
-    from distributed import Client, LocalCluster
+    import distributed
 
     from placecue.evaluation.executors.dask_backend import DaskBackend
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     address = chosen.get("address")
     if address is not None:
-        with _connected(Client, str(address)) as client:
+        with _connected(distributed.Client, str(address)) as client:
             yield Executor("dask", -1, {"backend": DaskBackend(client)})
         return
     workers = _count(chosen, "workers")
     # A task that kills its worker is not to kill three more before that is told.
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-        LocalCluster(
+        distributed.LocalCluster(  # type: ignore[no-untyped-call]
             n_workers=workers,
             threads_per_worker=1,
             host="127.0.0.1",
@@ -93,7 +93,7 @@ def _dask(chosen: Mapping[str, Any]) -> Iterator[Executor]:
             memory_limit=None,
             silence_logs=logging.CRITICAL,
         ) as cluster,
-        _connected(Client, cluster) as client,
+        _connected(distributed.Client, cluster) as client,
     ):
         yield Executor("dask", workers, {"backend": DaskBackend(client)})
 

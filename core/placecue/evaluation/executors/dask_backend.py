@@ -37,7 +37,8 @@ class DaskBackend(ParallelBackendBase):  # type: ignore[misc]
 
     def effective_n_jobs(self, n_jobs: int) -> int:
         """Return the number of threads of all workers; joblib would run a single one here."""
-        return max(2, sum(self._client.ncores().values()))
+        threads: int = sum(self._client.ncores().values())
+        return max(2, threads)
 
     def configure(self, n_jobs: int = 1, parallel: Any = None, **_: Any) -> int:
         """Get ready for one call of joblib."""

@@ -70,7 +70,6 @@ def _loky(chosen: Mapping[str, Any]) -> Iterator[Executor]:
 @contextmanager
 def _dask(chosen: Mapping[str, Any]) -> Iterator[Executor]:
     _check_installed("dask", "distributed")
-    import dask
     import distributed
 
     from placecue.evaluation.executors.dask_backend import DaskBackend
@@ -82,9 +81,8 @@ def _dask(chosen: Mapping[str, Any]) -> Iterator[Executor]:
             yield Executor("dask", -1, {"backend": DaskBackend(client)})
         return
     workers = _count(chosen, "workers")
-    # A task that kills its worker is not to kill three more before that is told.
+    # dask tries a task whose worker died on three others before it gives up.
     with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         distributed.LocalCluster(  # type: ignore[no-untyped-call]
             n_workers=workers,
             threads_per_worker=1,

@@ -11,6 +11,9 @@ from typing import Any
 
 from joblib.parallel import ParallelBackendBase
 
+#: How long the answer of a finished task may travel, s.
+PATIENCE = 60
+
 
 class DaskBackend(ParallelBackendBase):  # type: ignore[misc]
     """A backend of joblib.
@@ -60,8 +63,13 @@ class DaskBackend(ParallelBackendBase):  # type: ignore[misc]
             callback(future)
 
     def retrieve_result_callback(self, out: Any) -> Any:
-        """Return what a task returned, or raise why there is nothing."""
-        return out.result()
+        """Return what a task returned, or raise why there is nothing.
+
+        One whose answer was lost with its worker, or that was taken back, would be waited for.
+        """
+        if out.status not in ("finished", "error"):
+            raise RuntimeError(f"dask lost its answer ({out.status})")
+        return out.result(timeout=PATIENCE)
 
     def abort_everything(self, ensure_ready: bool = True) -> None:
         """Take back what has not begun."""

@@ -69,7 +69,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     sys.argv = ["placecue", *(overrides if "-sc" in overrides else opened(overrides))]
     try:
         with _sweep_folder(overrides) as given:
-            sys.argv += given
+            sys.argv[1:1] = given  # before options, as Hydra wants overrides
             return _enter(Task(command, overrides))
     except (PlacecueError, BrokenPipeError):
         raise

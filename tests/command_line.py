@@ -42,7 +42,7 @@ def placecue(*words: str) -> Told:
     GlobalHydra.instance().clear()
     with _as_it_was(), redirect_stdout(out), redirect_stderr(err):
         status = run([str(word) for word in words])
-    return Told(status, out.getvalue(), err.getvalue())
+    return Told(status, out.getvalue(), _without_progress(err.getvalue()))
 
 
 def script(*words: str, **environment: str) -> Told:
@@ -55,7 +55,13 @@ def script(*words: str, **environment: str) -> Told:
         env={**os.environ, **environment},
         check=False,
     )
-    return Told(done.returncode, done.stdout, done.stderr)
+    return Told(done.returncode, done.stdout, _without_progress(done.stderr))
+
+
+def _without_progress(err: str) -> str:
+    """Leave out what a command says every ten seconds, which a slow machine may come to."""
+    lines = err.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith("progress: "))
 
 
 def succeeds(*words: str) -> Told:

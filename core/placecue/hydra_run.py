@@ -7,9 +7,11 @@ import logging
 import os
 import re
 import sys
-from collections.abc import Iterable
-from contextlib import redirect_stderr
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, redirect_stderr
 from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any, cast
 
@@ -33,7 +35,7 @@ from placecue.components.hooks import Kind
 from placecue.components.manager import current_plugins
 from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.components.searches import check_opened, opened
-from placecue.errors import PlacecueError, UsageError, choices
+from placecue.errors import PlacecueError, UsageError, choices, told
 
 
 def run_command(command: str, overrides: list[str]) -> int:
@@ -66,7 +68,9 @@ def run_command(command: str, overrides: list[str]) -> int:
     os.environ["HYDRA_FULL_ERROR"] = "1"
     sys.argv = ["placecue", *(overrides if "-sc" in overrides else opened(overrides))]
     try:
-        return _enter(Task(command, overrides))
+        with _sweep_folder(overrides) as given:
+            sys.argv[1:1] = given  # before options, as Hydra wants overrides
+            return _enter(Task(command, overrides))
     except (PlacecueError, BrokenPipeError):
         raise
     except Exception as error:
@@ -74,6 +78,21 @@ def run_command(command: str, overrides: list[str]) -> int:
         if known is None:
             raise
         raise known from error
+
+
+@contextmanager
+def _sweep_folder(words: list[str]) -> Iterator[list[str]]:
+    """Give Hydra a folder for what a sweep leaves besides results, and remove it afterwards.
+
+    It lies in the working folder where jobs may run on other machines, which see that one only.
+    """
+    if not {"-m", "--multirun"}.intersection(words) or any("hydra.sweep." in w for w in words):
+        yield []
+        return
+    elsewhere = any(word.startswith("hydra/launcher=submitit") for word in words)
+    place = Path.cwd() if elsewhere else None
+    with TemporaryDirectory(prefix=".placecue_sweep_", dir=place, ignore_cleanup_errors=True) as at:
+        yield [f"hydra.sweep.dir='{at}'"]
 
 
 def _enter(task: Task) -> int:
@@ -152,7 +171,7 @@ class Task:
             settings["out"] = self._out_of_job(config, settings, job, module.WRITES is not None)
         with guarded(settings, module.WRITES, resumes=getattr(module, "RESUMES", None)):
             try:
-                module.run(settings)
+                self._told_of(settings, module.run)
             except SystemExit as error:
                 if isinstance(error.__context__, BrokenPipeError):  # how rich says it
                     raise error.__context__ from None
@@ -160,6 +179,19 @@ class Task:
                     f"{self.command} broke off: something called sys.exit({error.code!r}) in the "
                     f"middle of it; {TRACEBACK}=1 before the command shows where"
                 ) from error
+
+    def _told_of(self, settings: dict[str, Any], run: Callable[[dict[str, Any]], None]) -> None:
+        """Run the command, and tell plugins of its beginning, and of a bad end."""
+        from placecue.commands.paths import path_of
+
+        plugins = current_plugins()
+        out = None if settings.get("out") is None else path_of(settings, "out")
+        plugins.tell("run_started", command=self.command, config=settings, out=out)
+        try:
+            run(settings)
+        except BaseException as error:
+            plugins.tell("run_failed", command=self.command, reason=told(error))
+            raise
 
     def _out_of_job(
         self, config: DictConfig, settings: dict[str, Any], job: int, is_folder: bool

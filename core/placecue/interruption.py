@@ -57,6 +57,7 @@ def end(status: int) -> NoReturn:
 def _watch(reading: int, finished: Event) -> None:
     with open(reading, "rb", buffering=0) as signals:
         while told := signals.read(64):
-            if signal.SIGINT in told and not finished.wait(GRACE):
+            # SIGTERM is told of where somebody listens to it, as an executor does.
+            if {signal.SIGINT, signal.SIGTERM}.intersection(told) and not finished.wait(GRACE):
                 print("placecue: interrupted", file=sys.stderr)
                 end(STATUS)

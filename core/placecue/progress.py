@@ -12,6 +12,8 @@ from contextvars import ContextVar
 from operator import length_hint
 from typing import Any, TypeVar
 
+from placecue.plain_progress import PlainLines
+
 T = TypeVar("T")
 Reporter = Callable[[Iterable[Any], str, int | None], Iterable[Any]]
 
@@ -36,13 +38,13 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterable[T
 
 @contextmanager
 def shown() -> Iterator[None]:
-    """Show a bar on standard error for every :func:`track` inside that takes over a second."""
+    """Show a bar on standard error for every :func:`track` inside; a pipe gets lines instead."""
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        # A disabled Progress of rich before 14.3 writes an empty line all the same.
-        yield
+        with _reported_by(PlainLines()):
+            yield
         return
 
     from rich.progress import (
@@ -73,8 +75,14 @@ def shown() -> Iterator[None]:
             finally:
                 bars.remove_task(task)
 
-        token = _reporter.set(report)
-        try:
+        with _reported_by(report):
             yield
-        finally:
-            _reporter.reset(token)
+
+
+@contextmanager
+def _reported_by(reporter: Reporter) -> Iterator[None]:
+    token = _reporter.set(reporter)
+    try:
+        yield
+    finally:
+        _reporter.reset(token)

@@ -125,3 +125,30 @@ def test_the_benchmark_of_twelve_names_its_logs(tmp_path: Path) -> None:
     succeeds("convert", "-m", "world=office_idol", "out_dir=of", *only, *small)
     names = sorted(path.name for path in (tmp_path / "of" / "world0").iterdir())
     assert names == ["idol_night1.mcap", "idol_night2.mcap"]
+
+
+@pytest.mark.parametrize(
+    ("launcher", "package"),
+    [
+        ("joblib", "hydra_plugins.hydra_joblib_launcher"),
+        ("submitit_local", "hydra_plugins.hydra_submitit_launcher"),
+    ],
+)
+def test_jobs_in_processes_of_their_own(
+    tmp_path: Path, log_a: Path, launcher: str, package: str
+) -> None:
+    pytest.importorskip(package, reason="hydra/launcher= needs placecue[slurm]")
+    multiclass = "cues.crfh.classifier.multiclass=oaa,oao"
+    words = ["-m", f"hydra/launcher={launcher}", *CRFH, multiclass, f"log={log_a}", "out=sweep"]
+    assert placecue("train", *words).status == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep"]
+    found = [
+        manifest(tmp_path / "sweep" / job)["pipeline"]["cues"]["crfh"]["classifier"]["multiclass"]
+        for job in "01"
+    ]
+    assert found == ["oaa", "oao"]
+
+
+def test_a_sweep_leaves_results_only(tmp_path: Path, log_a: Path) -> None:
+    succeeds("train", "-m", *CRFH, f"log={log_a},{log_a}", "out=sweep")
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep"]

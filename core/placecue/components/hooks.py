@@ -80,6 +80,14 @@ def placecue_config_paths() -> Sequence[str]:  # type: ignore[empty-body]
 
 
 @hookspec
+def placecue_run_started(command: str, config: Any, out: Path | None) -> None:
+    """Told when a command begins, with its config as plain data and where it will write.
+
+    Nothing is written there yet, and nothing checked; what raises UsageError ends the command.
+    """
+
+
+@hookspec
 def placecue_log_opened(source: Any) -> None:
     """Told when a command has opened a log; ``source`` is a :class:`placecue.Source`."""
 
@@ -92,6 +100,16 @@ def placecue_observation_classified(observation: Any, belief: Any) -> None:
 @hookspec
 def placecue_area_labelled(update: Any) -> None:
     """Told of each :class:`placecue.AreaUpdate`."""
+
+
+@hookspec
+def placecue_pair_evaluated(result: Any) -> None:
+    """Told of each result of an evaluation: pair, method, score, error, as they come."""
+
+
+@hookspec
+def placecue_run_failed(command: str, reason: str) -> None:
+    """Told, in one line, why a command that was begun has not finished."""
 
 
 @hookspec

@@ -17,7 +17,7 @@ import pluggy
 
 from placecue.components import hooks
 from placecue.components.registry import Problem, Registry
-from placecue.errors import FOREIGN, PluginError, told
+from placecue.errors import FOREIGN, PluginError, UsageError, told
 
 GROUP = "placecue"
 BUILT_IN = "placecue"
@@ -50,10 +50,14 @@ class Plugins:
         ------
         PluginError
             If a plugin fails on it; the cause is chained.
+        UsageError
+            If a plugin refuses what was asked for.
         """
         for listener in getattr(self.manager.hook, f"placecue_{event}").get_hookimpls():
             try:
                 listener.function(**{name: details[name] for name in listener.argnames})
+            except UsageError:  # what a plugin refuses in words of its own
+                raise
             except FOREIGN as error:
                 raise PluginError(
                     f"plugin {listener.plugin_name} failed on {event}: {told(error)}"

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, cast
 import joblib
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
+from threadpoolctl import ThreadpoolController
 
 from placecue.errors import UsageError
 from placecue.features import DescriptorSets, FeatureBatch, FeatureKind

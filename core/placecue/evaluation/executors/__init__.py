@@ -1,0 +1,1 @@
+"""Where tasks run: processes, threads, a cluster; joblib is the only seam."""

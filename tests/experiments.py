@@ -40,8 +40,8 @@ class Counts:
     totals: dict[str, int] = field(default_factory=dict)
     done_: list[tuple[str, bool]] = field(default_factory=list)
 
-    def add(self, experiment: str, total: int) -> None:
-        self.totals[experiment] = total
+    def add(self, experiment: str, total: int, done: int = 0) -> None:
+        self.totals[experiment] = total - done
 
     def done(self, experiment: str, failed: bool = False) -> None:
         self.done_.append((experiment, failed))

@@ -66,7 +66,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     _log_to_stderr(_packages())
     # Hydra would print exceptions itself and exit; ours go up to the command line instead.
     os.environ["HYDRA_FULL_ERROR"] = "1"
-    sys.argv = ["placecue", *(overrides if "-sc" in overrides else opened(overrides))]
+    sys.argv = ["placecue", *(overrides if "-sc" in overrides else opened(_listed(overrides)))]
     try:
         with _sweep_folder(overrides) as given:
             sys.argv[1:1] = given  # before options, as Hydra wants overrides
@@ -78,6 +78,13 @@ def run_command(command: str, overrides: list[str]) -> int:
         if known is None:
             raise
         raise known from error
+
+
+def _listed(words: list[str]) -> list[str]:
+    """Put brackets around several worlds, which without a sweep are worlds of one experiment."""
+    if {"-m", "--multirun"}.intersection(words):
+        return words
+    return [re.sub(r"^(world\.\w+)=([^\[\]{}\"']*,[^\[\]{}\"']*)$", r"\1=[\2]", w) for w in words]
 
 
 @contextmanager

@@ -20,8 +20,8 @@ from hydra import compose
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
-from placecue import progress
 from placecue.atomic import made
+from placecue.board import Board, shown_board
 from placecue.checks import check_flag, check_whole
 from placecue.commands import files, tables
 from placecue.commands.features import cache_of
@@ -65,7 +65,7 @@ def run(config: dict[str, Any]) -> None:
         about, results, wrong = evaluate(config, bench, methods, plugins)
         about = replace(about, seconds={**about.seconds, "all": perf_counter() - began})
         about.save(out)
-        written = write_all(out, about, results)
+        written = report.write(out, about, Results(results), run_folder=bench)
     tables.written(written)
     plugins.tell("run_finished", command="evaluate", out=out)
     if config.get("json"):
@@ -105,11 +105,13 @@ def evaluate(
 
     def tell(result: Result) -> None:
         results[result.method, result.pair] = result
+        plugins.tell("pair_evaluated", result=result)
 
     About(title, {}, _told(methods), {}, began=began).save(bench.folder)
     warnings = _Warnings()
-    with warnings.kept(), progress.shown(), executor_of(config) as executor:
-        run.run(executor, progress.Board(), tell)
+    board = Board()
+    with warnings.kept(), shown_board(board), executor_of(config) as executor:
+        run.run(executor, board, tell)
     ordered = [results[key] for key in run.digests if key in results]
     check_some(ordered, run.wrong)
     about = About(
@@ -295,17 +297,3 @@ def summary(about: About, results: Sequence[Result], wrong: Sequence[Result]) ->
         },
         "seconds": dict(about.seconds),
     }
-
-
-def write_all(out: Path, about: About, results: Sequence[Result]) -> list[tuple[str, Path]]:
-    """Write tables, figures and the report of results that are there."""
-    found = Results(results)
-    rows = []
-    for method in found.methods:
-        cells = []
-        for experiment in found.experiments:
-            scores = [100 * s for s in found.scores(method, experiment).values()]
-            cells.append(f"{np.mean(scores):.1f} ± {np.std(scores):.1f}" if scores else "")
-        rows.append([method, *cells])
-    tables.table(["balanced accuracy (%)", *found.experiments], rows)
-    return [("results", out / "results")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
@@ -53,8 +54,8 @@ class Runs(Protocol):
 class Board(Protocol):
     """Is told how far a run is."""
 
-    def add(self, experiment: str, total: int) -> None:
-        """There are so many results to be."""
+    def add(self, experiment: str, total: int, done: int = 0) -> None:
+        """Put up an experiment; so many of its results are there already."""
 
     def done(self, experiment: str, failed: bool = False) -> None:
         """Note that a result is there, or will not be."""
@@ -168,9 +169,12 @@ class Evaluation:
         return any(each.wants_costs for each in built)
 
     def _announce(self, board: Board) -> None:
-        experiments = [pair.experiment for _, pair in self.digests]
-        for experiment in dict.fromkeys(experiments):
-            board.add(experiment, experiments.count(experiment))
+        totals = Counter(pair.experiment for _, pair in self.digests)
+        there = Counter(
+            pair.experiment for (_, pair), digest in self.digests.items() if digest in self.store
+        )
+        for experiment, total in totals.items():
+            board.add(experiment, total, there[experiment])
 
     # ------------------------------------------------------------------ the three stages
 
@@ -220,7 +224,7 @@ class Evaluation:
             if method not in self.methods.joined:
                 continue
             if digest in self.store:
-                told.kept(self.store.load(digest))
+                told.kept(self.store.load(digest), fresh=False)
             elif (reason := told.why_not(method, pair)) is not None:
                 told.failed(method, pair, reason)
             else:
@@ -267,7 +271,7 @@ class _Told:
     def _single(self, task: SingleCueTask, split: Split, model: str) -> None:
         digest = self.run.digests[model, split.pair]
         if digest in self.run.store:
-            self.kept(self.run.store.load(digest))
+            self.kept(self.run.store.load(digest), fresh=False)
             return
         said = self.run.scores.load(task.digests[model, str(split.test)])
         result = result_of(split.pair, model, said.scores, said.labels, said.stamps, digest)
@@ -287,9 +291,10 @@ class _Told:
                     return reason
         return None
 
-    def kept(self, result: Result) -> None:
-        """Pass on a result that is there."""
-        self.board.done(result.pair.experiment)
+    def kept(self, result: Result, *, fresh: bool = True) -> None:
+        """Pass on a result that is there, computed just now or in an earlier run."""
+        if fresh:
+            self.board.done(result.pair.experiment)
         self.tell(result)
 
     def failed(self, method: str, pair: Pair, reason: str) -> None:

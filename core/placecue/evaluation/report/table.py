@@ -1,0 +1,82 @@
+"""Parts of words and numbers: tables, facts and notes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
+
+Cell: TypeAlias = str | int | float | None
+
+DASH = "–"
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that its reader can sort by any column.
+
+    Parameters
+    ----------
+    headings : sequence of str
+        Of the columns.
+    rows : sequence of sequence of (str, int, float or None)
+        A cell a column; None is a dash. The first column names the row.
+    title : str
+        What it shows, above it.
+    note : str
+        What must be known to read it, below it.
+    digits : int
+        After the point of floats.
+    """
+
+    template: ClassVar[str] = "table.html.j2"
+
+    headings: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    title: str = ""
+    note: str = ""
+    digits: int = 1
+
+    def text(self, cell: Cell) -> str:
+        """Return what a cell shows."""
+        if cell is None or cell != cell:
+            return DASH
+        return f"{cell:.{self.digits}f}" if isinstance(cell, float) else str(cell)
+
+    def key(self, cell: Cell) -> str | None:
+        """Return what a cell is sorted by, where that is not what it shows."""
+        return f"{cell:.9g}" if isinstance(cell, float) and cell == cell else None
+
+    def is_number(self, cell: Cell) -> bool:
+        """Tell whether a cell is aligned as numbers are."""
+        return cell is None or isinstance(cell, (int, float))
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names with what they are.
+
+    Parameters
+    ----------
+    rows : sequence of (str, str)
+        Those without a value are left out.
+    """
+
+    template: ClassVar[str] = "facts.html.j2"
+
+    rows: Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Notes:
+    """A list of sentences.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        One an item.
+    """
+
+    template: ClassVar[str] = "notes.html.j2"
+
+    lines: Sequence[str]

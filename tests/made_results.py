@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from placecue import LaserScan, Observation
 from placecue.evaluation.results.about import About, Method, Recording
@@ -18,6 +20,10 @@ METHODS = {
     "laser": Method(("laser",), "", "cue=laser integrator=none"),
     "crfh + laser": Method(("crfh", "laser"), "svm_das", "cue=[crfh,laser]"),
 }
+#: Names that want to be something else in a page.
+SCRIPT = "<script>document.title='taken'</script>"
+QUOTES = "\"quoted\" 'and' <b onmouseover=x>&amp;"
+WORLD = "🤖 مطبخ"
 SECOND = 1_000_000_000
 START = 1_150_000_000 * SECOND
 
@@ -100,12 +106,17 @@ class Made:
             with np.errstate(divide="ignore"):
                 walls = np.abs([length / np.cos(angles), width / np.sin(angles)])
             ranges = walls.min(axis=0) + random.normal(0, 0.02, len(angles))
-            stripes = 127 + 100 * np.sin(np.arange(320) / (2 + number % 17))
-            image = np.tile(stripes[None, :, None], (240, 1, 3)) * [1.0, 0.8, 0.6]
-            noisy = image + random.normal(0, 12, image.shape)
             yield Observation(
                 int(START + number * SECOND // 5),
-                image=np.clip(noisy, 0, 255).astype(np.uint8),
+                image=partial(_picture, number),
                 scan=LaserScan(angles, ranges, 0.02, 30.0),
                 label=self.classes[number % len(self.classes)],
             )
+
+
+def _picture(number: int) -> NDArray[np.uint8]:
+    """Return a noisy picture of stripes."""
+    stripes = 127 + 100 * np.sin(np.arange(320) / (2 + number % 17))
+    image = np.tile(stripes[None, :, None], (240, 1, 3)) * [1.0, 0.8, 0.6]
+    noisy = image + np.random.default_rng(number).normal(0, 12, image.shape)
+    return np.clip(noisy, 0, 255).astype(np.uint8)

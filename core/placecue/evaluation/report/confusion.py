@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -112,7 +111,7 @@ def of_tally(tally: Tally) -> Matrices:
     return Matrices([_counted(name, tally.counts[name]) for name in reversed(tally.methods)])
 
 
-def _counted(method: str, counter: Mapping[tuple[str, str], int] | Counter[tuple[str, str]]) -> Matrix:
+def _counted(method: str, counter: Mapping[tuple[str, str], int]) -> Matrix:
     classes = sorted({truth for truth, _ in counter})
     said = sorted({decided for _, decided in counter} - set(classes))
     columns = [*classes, *said]

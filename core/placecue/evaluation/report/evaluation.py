@@ -11,7 +11,7 @@ from placecue.evaluation.report import confusion
 from placecue.evaluation.report.figure import Figure
 from placecue.evaluation.report.mistakes import Mistakes, find_mistakes, recording_of
 from placecue.evaluation.report.page import Page, Section
-from placecue.evaluation.report.table import Facts, Notes, Table
+from placecue.evaluation.report.table import Cell, Facts, Notes, Table
 from placecue.evaluation.report.views import OpenRecording, with_views
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.results import Results
@@ -175,7 +175,7 @@ def _time(about: About, results: Results) -> list[Table]:
     steps = list(dict.fromkeys(step for each in spent.values() for step in each))
     tables = []
     if about.seconds:
-        rows = [[step, float(taken)] for step, taken in about.seconds.items()]
+        rows: list[list[Cell]] = [[step, float(taken)] for step, taken in about.seconds.items()]
         tables.append(Table(["step", "seconds"], rows, "By step"))
     if steps:
         rows = [

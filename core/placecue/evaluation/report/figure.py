@@ -5,10 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, ClassVar
 from xml.etree import ElementTree
 
@@ -21,8 +18,6 @@ if TYPE_CHECKING:
 DROPPED = frozenset({"script", "foreignObject", "metadata", "style", "animate", "set", "title"})
 #: matplotlib says this of every element; in a page it would be said of the page's as well.
 JOINED = "stroke-linejoin:round;stroke-linecap:butt"
-#: A figure of more characters is shown as a picture of pixels.
-LARGEST = 1_500_000
 _REFERENCE = re.compile(r"url\(\s*['\"]?([^)'\"]*)['\"]?\s*\)")
 
 
@@ -72,25 +67,6 @@ class Figure:
 def data_uri(picture: bytes, kind: str) -> str:
     """Return an encoded picture as an address that needs no network."""
     return f"data:image/{kind};base64,{base64.b64encode(picture).decode()}"
-
-
-def drawn(name: str, draw: Callable[[Path], object], caption: str = "") -> Figure:
-    """Return what a function draws into the file that it is given.
-
-    Parameters
-    ----------
-    name, caption : str
-        As in :class:`Figure`.
-    draw : callable
-        Takes a path whose suffix is ``.svg`` or ``.png``.
-    """
-    with TemporaryDirectory(prefix="placecue-") as folder:
-        draw(path := Path(folder, "figure.svg"))
-        svg = path.read_text(encoding="utf-8")
-        if len(svg) <= LARGEST:
-            return Figure(name, svg, caption)
-        draw(path := path.with_suffix(".png"))
-        return Figure(name, "", caption, path.read_bytes())
 
 
 def inlined(svg: str, prefix: str, label: str) -> str:

@@ -27,6 +27,10 @@ class Table:
         What must be known to read it, below it.
     digits : int
         After the point of floats.
+    foot : sequence of (str, int, float or None)
+        A last row that is not sorted with the others, such as a mean.
+    folded : bool
+        Whether it is shown only to who asks for it; it needs a title.
     """
 
     template: ClassVar[str] = "table.html.j2"
@@ -36,6 +40,8 @@ class Table:
     title: str = ""
     note: str = ""
     digits: int = 1
+    foot: Sequence[Cell] = ()
+    folded: bool = False
 
     def text(self, cell: Cell) -> str:
         """Return what a cell shows."""

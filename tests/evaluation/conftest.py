@@ -46,7 +46,7 @@ def report(made: Made, results: Results, tmp_path_factory: pytest.TempPathFactor
     about = replace(made.about(), title=f"Office {SCRIPT} & co", warnings=[f"odd: {QUOTES}"])
     summary = Table(
         ["method", "Exp 1", "Exp 1, paper"],
-        [[SCRIPT, 9.5, None], [QUOTES, 88.25, 95.1], [WORLD, 100.0, 92.5]],
+        [[SCRIPT, 9.5, "-"], [QUOTES, 88.25, "95.1 ± 2.3"], [WORLD, 100.0, "92.5 (3 pairs)"]],
         "Balanced accuracy",
     )
     significance = Table(["methods", "p"], [["a > b", 0.0123]], digits=3)

@@ -68,7 +68,7 @@ def test_tables_sort(report: Path, tmp_path: Path) -> None:
     rising, falling, gaps, names = told
     assert rising == [["9.5", "88.2", "100.0"], [None, "ascending", None]]
     assert falling == [["100.0", "88.2", "9.5"], [None, "descending", None]]
-    assert gaps == [["92.5", "95.1", "–"], [None, None, "ascending"]]
+    assert gaps == [["92.5 (3 pairs)", "95.1 ± 2.3", "-"], [None, None, "ascending"]]
     assert sorted(names[0]) == sorted([SCRIPT, QUOTES, WORLD])
     assert names[1] == ["ascending", None, None]
 

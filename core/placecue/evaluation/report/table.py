@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
@@ -9,6 +10,9 @@ from typing import ClassVar, TypeAlias
 Cell: TypeAlias = str | int | float | None
 
 DASH = "–"
+#: How other tables tell that there is nothing.
+_NOTHING = ("", "-", DASH)
+_NUMBER = re.compile(r"(-?\d+(?:\.\d+)?)(?: ± .*| \(.*)?$")
 
 
 @dataclass(frozen=True)
@@ -17,8 +21,8 @@ class Table:
 
     Parameters
     ----------
-    headings : sequence of str
-        Of the columns.
+    columns : sequence of str
+        Their headings.
     rows : sequence of sequence of (str, int, float or None)
         A cell a column; None is a dash. The first column names the row.
     title : str
@@ -35,7 +39,7 @@ class Table:
 
     template: ClassVar[str] = "table.html.j2"
 
-    headings: Sequence[str]
+    columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     title: str = ""
     note: str = ""
@@ -50,12 +54,17 @@ class Table:
         return f"{cell:.{self.digits}f}" if isinstance(cell, float) else str(cell)
 
     def key(self, cell: Cell) -> str | None:
-        """Return what a cell is sorted by, where that is not what it shows."""
+        """Return the number that a cell is sorted by, where that is not what it shows."""
+        if isinstance(cell, str):
+            found = _NUMBER.match(cell)
+            return found[1] if found and found[1] != cell else None
         return f"{cell:.9g}" if isinstance(cell, float) and cell == cell else None
 
     def is_number(self, cell: Cell) -> bool:
-        """Tell whether a cell is aligned as numbers are."""
-        return cell is None or isinstance(cell, (int, float))
+        """Tell whether a cell is aligned and sorted as numbers are: ``95.1 ± 2.3`` is too."""
+        if isinstance(cell, str):
+            return cell in _NOTHING or _NUMBER.match(cell) is not None
+        return True
 
 
 @dataclass(frozen=True)

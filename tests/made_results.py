@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,15 +108,16 @@ class Made:
             ranges = walls.min(axis=0) + random.normal(0, 0.02, len(angles))
             yield Observation(
                 int(START + number * SECOND // 5),
-                image=partial(_picture, number),
+                image=partial(_picture, number % 17),
                 scan=LaserScan(angles, ranges, 0.02, 30.0),
                 label=self.classes[number % len(self.classes)],
             )
 
 
+@cache
 def _picture(number: int) -> NDArray[np.uint8]:
-    """Return a noisy picture of stripes."""
-    stripes = 127 + 100 * np.sin(np.arange(320) / (2 + number % 17))
+    """Return one of a few noisy pictures of stripes."""
+    stripes = 127 + 100 * np.sin(np.arange(320) / (2 + number))
     image = np.tile(stripes[None, :, None], (240, 1, 3)) * [1.0, 0.8, 0.6]
     noisy = image + np.random.default_rng(number).normal(0, 12, image.shape)
     return np.clip(noisy, 0, 255).astype(np.uint8)

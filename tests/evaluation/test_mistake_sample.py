@@ -100,6 +100,7 @@ def test_scores_of_pairs_are_shown_by_class() -> None:
     scores = Scores(np.array(row), layout)
     sample = MistakeSample()
     sample.observe(observed(0, "hall"), Belief(0, scores, "lab", 1.0, {"laser": scores}), None)
-    [[_, bars]] = sample.mistakes.shown[0].scores
+    [[title, bars]] = sample.mistakes.shown[0].scores
+    assert title == "laser, ranks"
     assert [bar.name for bar in bars] == ["lab", "kitchen", "office", "hall"]
     assert [bar.right for bar in bars] == [False, False, False, True]

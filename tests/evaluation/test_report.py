@@ -82,6 +82,24 @@ def test_a_log_that_is_gone(made: Made, results: Results, tmp_path: Path) -> Non
     assert 0 < len(pictures) == len(there) < len(page.of("article"))
 
 
+def test_a_name_that_is_no_text(made: Made, tmp_path: Path) -> None:
+    about = replace(made.about(), title="run \udcff of\x00 2")
+    path = write_evaluation_report(tmp_path, about, Results([]), {}, [], [])
+    assert "<title>run ? of" in path.read_text(encoding="utf-8")
+
+
+def test_figures_leave_less_room_for_mistakes(made: Made, results: Results) -> None:
+    def shown(svg: str) -> int:
+        figures = {"Figure 7": (svg, "")}
+        page = evaluation_page(made.about(), results, figures, [], [])
+        [section] = [each for each in page.sections if each.title == "Mistakes"]
+        [mistakes] = section.parts
+        return len(mistakes.shown)  # type: ignore[attr-defined]
+
+    assert shown("<svg/>") > shown("<svg>" + " " * 8_420_000 + "</svg>") > 0
+    assert shown("<svg>" + " " * 9_000_000 + "</svg>") == 0
+
+
 def test_without_logs_and_results(made: Made, tmp_path: Path) -> None:
     about = replace(made.about(), recordings={}, methods={}, experiments={}, seconds={})
     page = HtmlPage(write_evaluation_report(tmp_path, about, Results([]), {}, [], []))

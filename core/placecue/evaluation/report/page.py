@@ -71,7 +71,9 @@ class Page:
 
     def write(self, folder: Path) -> Path:
         """Write it as ``report.html`` into a folder, whole or not at all."""
-        return write_text(folder / REPORT, self.render())
+        # Names of files may hold bytes that are no text.
+        text = self.render().encode("utf-8", "replace").decode("utf-8")
+        return write_text(folder / REPORT, text)
 
 
 @cache

@@ -92,7 +92,7 @@ def _mistake(observation: Observation, belief: Belief, truth: str) -> Mistake:
     parts = dict(belief.cue_scores)
     if len(parts) > 1:
         parts[INTEGRATED] = belief.scores
-    bars = [Scored(name, _bars(scores, truth)) for name, scores in parts.items()]
+    bars = [_scored(name, scores, truth) for name, scores in parts.items()]
     return Mistake(
         observation.log_name,
         observation.stamp,
@@ -107,19 +107,21 @@ def _mistake(observation: Observation, belief: Belief, truth: str) -> Mistake:
     )
 
 
-def _bars(scores: Scores, truth: str) -> tuple[Bar, ...]:
+def _scored(name: str, scores: Scores, truth: str) -> Scored:
     """Return the scores of the best classes, and of the true one."""
     layout = scores.layout
     names, values = list(layout.columns), scores.values[0]
     if set(names) != set(layout.classes):  # columns of pairs, or of some classes
+        name = f"{name}, ranks"
         names, values = list(layout.classes), layout.preference(scores.values)[0]
     if not np.isfinite(values).all():
-        return ()
+        return Scored(name, ())
     low = min(float(values.min()), 0.0)
     reach = max(float(values.max()) - low, 1e-12)
     order = np.argsort(-values, kind="stable")
     shown = [at for place, at in enumerate(order) if place < CLASSES or names[at] == truth]
-    return tuple(
+    bars = (
         Bar(names[at], float(values[at]), (float(values[at]) - low) / reach, names[at] == truth)
         for at in shown
     )
+    return Scored(name, tuple(bars))

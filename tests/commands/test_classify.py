@@ -62,7 +62,9 @@ def test_an_unlabelled_log(tmp_path: Path, laser_model: Path) -> None:
     log = write_log(tmp_path / "dark.mcap", [each.relabelled(None) for each in Rooms(seed=1)])
     out = tmp_path / "out"
     told = succeeds("classify", f"model={laser_model}", f"log={log}", f"out={out}")
-    assert sorted(path.name for path in out.iterdir()) == ["beliefs.csv", "beliefs.mcap"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        *("beliefs.csv", "beliefs.mcap", "report.html")
+    ]
     assert {row["truth"] for row in rows(out / "beliefs.csv")} == {""}
     assert "balanced accuracy" not in told.out
 

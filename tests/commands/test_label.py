@@ -15,7 +15,7 @@ from rooms import ROOMS
 
 FILES = {
     *("annotated.mcap", "beliefs.csv", "metrics.json", "placecue_layout.json"),
-    *("semantic_map.geojson", "semantic_map.json", "semantic_map.png"),
+    *("report.html", "semantic_map.geojson", "semantic_map.json", "semantic_map.png"),
 }
 
 

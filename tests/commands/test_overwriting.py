@@ -12,7 +12,7 @@ from placecue.commands.names import COMMANDS
 SEARCH = "cues.laser.classifier.search"
 LASER = ["cue=laser", "integrator=none", f"{SEARCH}.C=[1,10]", f"{SEARCH}.gamma=[0.01]"]
 FORCE = "overwrite=true"
-CLASSIFIED = {"beliefs.csv", "beliefs.mcap", "metrics.json"}
+CLASSIFIED = {"beliefs.csv", "beliefs.mcap", "metrics.json", "report.html"}
 
 
 def names(folder: Path) -> set[str]:
@@ -98,7 +98,7 @@ def test_nothing_of_another_command_stays(log_a: Path, laser_model: Path) -> Non
 def test_nothing_of_another_training_stays(log_a: Path) -> None:
     probability = "cues.laser.classifier.probability=sigmoid"
     succeeds("train", *LASER, f"log={log_a}", "out=out", probability)
-    trained = {"arrays.npz", "config.yaml", "manifest.json", "state.json"}
+    trained = {"arrays.npz", "config.yaml", "manifest.json", "report.html", "state.json"}
     extra = {"reliability.png", "search/laser.md"}
     assert names(Path("out")) - {"search/laser.png"} == trained | extra
     Path("out", "search", "notes.txt").write_text("mine")
@@ -137,4 +137,4 @@ def test_a_run_that_fails_late_leaves_one_run_only(
     succeeds(*words, f"log={log_a}")
     monkeypatch.setattr("placecue.commands.classify.write_json", lambda *_: 1 / 0)
     assert placecue(*words, f"log={log_a}", FORCE).status == 1
-    assert names(Path("out")) == CLASSIFIED - {"metrics.json"}
+    assert names(Path("out")) == CLASSIFIED - {"metrics.json", "report.html"}

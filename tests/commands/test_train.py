@@ -21,7 +21,7 @@ from rooms import ROOMS, Rooms
 REGISTRY = load_plugins(built_ins_only=True).registry
 GAMMA = "cues.laser.classifier.kernel.gamma"
 CRFH = ["cue=crfh", "integrator=none", "cues.crfh.classifier.search=null"]
-FILES = {"arrays.npz", "config.yaml", "manifest.json", "state.json"}
+FILES = {"arrays.npz", "config.yaml", "manifest.json", "report.html", "state.json"}
 
 
 def trained(out: Path, *words: str) -> tuple[Pipeline, dict[str, Any]]:

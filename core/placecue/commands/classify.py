@@ -7,11 +7,13 @@ from typing import Any
 
 from placecue import progress
 from placecue.atomic import made, write_json
-from placecue.commands import files, show, tables
+from placecue.commands import files, reporting, show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
+from placecue.evaluation.report.labelling import run_page
+from placecue.evaluation.report.sampled import MistakeSample
 from placecue.evaluation.tally import Tally
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
@@ -27,8 +29,9 @@ def run(config: dict[str, Any]) -> None:
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     set_tolerance(pipeline, config)
-    table, annotated, metrics = (out / name for name in files.CLASSIFIED)
-    tally = Tally()
+    table, annotated, metrics = out / files.BELIEFS, out / files.BELIEFS_LOG, out / files.SCORES
+    tally, sample = Tally(), MistakeSample()
+    reporting.is_wanted(config)  # wrong words are told before the run, not after it
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
@@ -40,11 +43,14 @@ def run(config: dict[str, Any]) -> None:
             stack.enter_context(belief_table(table)),
             stack.enter_context(AnnotatedLog(annotated, pipeline.classes)),
             PluginListeners(plugins),
+            *([sample] if reporting.is_wanted(config) else []),
         ]
         run_log(pipeline, log, listeners, batch=config["batch"])
     results = [("beliefs", table), ("beliefs with the log, for Foxglove", annotated)]
     if tally.counts:
         show.scores(tally)
         results.append(("scores", write_json(metrics, tally.to_json())))
-    tables.written(results)
+    facts = reporting.facts(config, log.name)
+    reporting.write(config, out, lambda: run_page(f"Beliefs of {log.name}", facts, tally, sample))
+    tables.written([*results, *reporting.written(config, out)])
     plugins.tell("run_finished", command="classify", out=out)

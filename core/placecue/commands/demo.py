@@ -6,7 +6,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from placecue.commands import convert, files, label, show, tables, train
+from placecue.commands import convert, files, label, reporting, show, tables, train
 from placecue.commands.logs import on_error_of
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
@@ -20,6 +20,7 @@ WRITES = files.DEMONSTRATED
 def run(config: dict[str, Any]) -> None:
     """Go from nothing to a semantic map and say where everything is."""
     started, out = perf_counter(), path_of(config, "out")
+    reporting.is_wanted(config)
     on_error_of(config)  # wrong words are told before the recording, not after it
     logs = [out / name for name in files.LOGS]
     for number, log in enumerate(logs, 1):
@@ -40,7 +41,7 @@ def run(config: dict[str, Any]) -> None:
     named = [area for area in semantic_map.areas if area.label != UNKNOWN]
     print(f"\n{len(semantic_map.areas)} areas, {len(named)} of them labelled")
     made = [("logs", out / "run*.mcap"), ("model", out / files.MODEL)]
-    tables.written([*made, *label.results(out, True)])
+    tables.written([*made, *label.results(out, True), *reporting.written(config, out)])
     print(
         f"\ndone in {perf_counter() - started:.0f} s. next:\n"
         f"  placecue info log={logs[1]}\n"

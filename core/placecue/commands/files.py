@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from placecue.evaluation.report.page import REPORT
 from placecue.evaluation.training_report import INTEGRATOR, RELIABILITY, SEARCHES
 from placecue.logs.writing.annotated import LAYOUT
 from placecue.storage.belief_table import COLUMNS
@@ -15,10 +16,10 @@ ANNOTATED = "annotated.mcap"
 MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
-EVALUATED = ("experiment.json", "results.csv", "report.html")
-TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY)
-CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES)
-LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE)
+EVALUATED = ("experiment.json", "results.csv", REPORT)
+TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
+CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
+LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE, REPORT)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 
 

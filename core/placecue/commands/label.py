@@ -8,13 +8,15 @@ from typing import Any
 
 from placecue import contracts, progress
 from placecue.atomic import made, write_json
-from placecue.commands import files, show, tables
+from placecue.commands import files, reporting, show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance
 from placecue.commands.paths import path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.map_figure import draw_semantic_map
+from placecue.evaluation.report.labelling import run_page
+from placecue.evaluation.report.sampled import MistakeSample
 from placecue.evaluation.surroundings import Surroundings
 from placecue.evaluation.tally import Tally
 from placecue.guard import call
@@ -36,7 +38,7 @@ def run(config: dict[str, Any]) -> None:
     print(f"{len(semantic_map.areas)} areas, {len(areas)} of them labelled")
     if tally.counts:
         show.scores(tally)
-    tables.written(results(out, scored=bool(tally.counts)))
+    tables.written([*results(out, bool(tally.counts)), *reporting.written(config, out)])
     current_plugins().tell("run_finished", command="label", out=out)
 
 
@@ -46,7 +48,8 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     set_tolerance(pipeline, config)
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
-    surroundings = Surroundings()
+    surroundings, sample = Surroundings(), MistakeSample()
+    reported = reporting.is_wanted(config)
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
@@ -60,6 +63,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
             annotated,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
+            *([sample] if reported else []),
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
@@ -77,6 +81,10 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
     write_json(out / files.MAP, semantic_map.to_json())
+    facts = reporting.facts(config, log.name)
+    reporting.write(config, out, lambda: run_page(
+        f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE
+    ))  # fmt: skip
     return semantic_map
 
 

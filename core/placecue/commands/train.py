@@ -8,15 +8,16 @@ from typing import Any
 from placecue import progress
 from placecue.atomic import made
 from placecue.checks import check_flag
-from placecue.commands import files, show
+from placecue.commands import files, reporting, show
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance, single_logs
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.components.pipelines import build_pipeline
+from placecue.evaluation.report.training import training_page
 from placecue.evaluation.training_report import write_training_report
 from placecue.pipeline import Pipeline
-from placecue.storage.model import save_model
+from placecue.storage.model import read_manifest, save_model
 
 WRITES = files.TRAINED
 
@@ -44,6 +45,7 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
     plugins = current_plugins()
     pipeline = build_pipeline(config, plugins.registry)
     set_tolerance(pipeline, config)
+    reporting.is_wanted(config)  # wrong words are told before the training, not after it
     force: bool = config.get("force_training_scores", False)
     check_flag("force_training_scores", force)
     parts = (*pipeline.requires, "label")
@@ -62,4 +64,7 @@ def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, 
     finally:
         # Last, as its manifest says that all is there; and a picture that fails loses no model.
         save_model(pipeline, out, plugins.registry, trained_on=logs, config=config)
-    return pipeline, report
+    reporting.write(config, out, lambda: training_page(
+        pipeline, out, read_manifest(out), reporting.command_line()
+    ))  # fmt: skip
+    return pipeline, [*report, *reporting.written(config, out)]

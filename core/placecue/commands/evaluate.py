@@ -23,7 +23,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from placecue.atomic import made
 from placecue.board import Board, shown_board
 from placecue.checks import check_flag, check_whole
-from placecue.commands import files, tables
+from placecue.commands import files, report, tables
 from placecue.commands.features import cache_of
 from placecue.commands.logs import on_error_of
 from placecue.commands.paths import path_of
@@ -65,7 +65,7 @@ def run(config: dict[str, Any]) -> None:
         about, results, wrong = evaluate(config, bench, methods, plugins)
         about = replace(about, seconds={**about.seconds, "all": perf_counter() - began})
         about.save(out)
-        written = report.write(out, about, Results(results), run_folder=bench)
+        written = report.write(out, about, Results([*results, *wrong]))
     tables.written(written)
     plugins.tell("run_finished", command="evaluate", out=out)
     if config.get("json"):

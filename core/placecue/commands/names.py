@@ -8,6 +8,7 @@ COMMANDS = {
     "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
     "label": "model + log -> semantic map, online in one pass",
     "evaluate": "an experiment: pairs of logs, methods -> tables, figures, significance",
+    "report": "a run folder, or several -> its tables, figures and page, made again",
     "convert": "any source -> MCAP",
     "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",

@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from placecue.evaluation.figures.make import Made, check, make_all
+from placecue.evaluation.report.evaluation import write_evaluation_report
+from placecue.evaluation.report.table import Table
+from placecue.evaluation.report.views import OpenRecording
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.tables import write_results
 
 FIGURES = "figures"
+SIGNIFICANCE = "significance"
 #: What is drawn where an experiment asks for nothing.
 USUAL: Sequence[dict[str, Any]] = (
     {"name": "Scores", "kind": "bars", "title": "Balanced accuracy (%), mean over pairs"},
@@ -47,3 +51,34 @@ def write_tables_and_figures(
     """
     write_results(results, folder)
     return make_all(asked_for(about), results, about, folder / FIGURES)
+
+
+def write_report(
+    folder: Path,
+    about: About,
+    results: Results,
+    made: Sequence[Made],
+    open_recording: OpenRecording | None = None,
+) -> Path:
+    """Write the page of an evaluation; see :func:`write_evaluation_report`."""
+    figures = {each.spec.name: (svg, _caption(each)) for each in made if (svg := each.svg)}
+    summary = [_on_page(each) for each in made if each.svg is None and _kind(each) != SIGNIFICANCE]
+    significance = [_on_page(each) for each in made if _kind(each) == SIGNIFICANCE]
+    return write_evaluation_report(
+        folder, about, results, figures, summary, significance, open_recording
+    )
+
+
+def _kind(made: Made) -> str:
+    return made.spec.kind
+
+
+def _caption(made: Made) -> str:
+    return ". ".join(filter(None, [made.spec.title, *made.drawn.notes]))
+
+
+def _on_page(made: Made) -> Table:
+    table = made.drawn.table
+    title = f"{made.spec.name}: {made.spec.title}" if made.spec.title else made.spec.name
+    note = ". ".join(made.drawn.notes)
+    return Table(table.columns, table.rows, title=title, note=note, digits=table.digits)

@@ -199,7 +199,9 @@ class Evaluation:
             found = contents[each.key]
             name = "/".join(filter(None, each.key))
             metadata = next(r.metadata for r in self.bench.recordings if r.key == each.key)
-            self.recordings[name] = Recording(each.log, found.digest, dict(metadata), classes)
+            self.recordings[name] = Recording(
+                each.log, found.digest, dict(metadata), classes, dict(each.source)
+            )
         self._spent("extracting cues", perf_counter() - began)
 
     def _single_cues(self, executor: Runs, told: _Told) -> None:

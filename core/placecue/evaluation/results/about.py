@@ -29,12 +29,15 @@ class Recording:
         Conditions: illumination, run.
     classes : mapping of str to int
         Labelled samples of each class.
+    source : mapping
+        The config of the source that reads it.
     """
 
     log: str
     digest: str
     metadata: Mapping[str, str] = field(default_factory=dict)
     classes: Mapping[str, int] = field(default_factory=dict)
+    source: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from placecue.errors import UsageError, choices
 from placecue.evaluation.results.result import Pair, Result
+from placecue.evaluation.results.store import ResultStore
 
 
 class Results:
@@ -95,3 +97,10 @@ class Results:
         """Raise UsageError where there is no such method."""
         if method not in self.methods:
             raise UsageError(f"no results of method '{method}'; {choices(method, self.methods)}")
+
+    def save(self, folder: Path) -> None:
+        """Keep every result that is one in a folder."""
+        store = ResultStore(folder)
+        for each in self:
+            if not each.error:
+                store.save(each)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from placecue.evaluation.report.figure import data_uri
 from placecue.evaluation.report.scan_drawing import Drawing, draw_scan
+from placecue.evaluation.report.wrong_decisions import WrongDecisions
 from placecue.evaluation.results.about import About, Method
 from placecue.evaluation.results.result import Pair, Result
 from placecue.evaluation.results.results import Results
@@ -201,11 +202,11 @@ def find_mistakes(
         In the order in which they were chosen, so that those from the first on are spread too.
     """
     of_pair = _by_pair(results)
-    cells = _Cells(of_pair)
+    wrong = WrongDecisions(of_pair)
     alone = {name for name, each in (methods or {}).items() if len(each.cues) == 1}
     shown = [_mistake(of_pair[pair], method, stamp, alone)
-             for pair, method, stamp in cells.chosen(most)]  # fmt: skip
-    return Mistakes(shown, cells.total, cells.samples)
+             for pair, method, stamp in wrong.chosen(most)]  # fmt: skip
+    return Mistakes(shown, wrong.total, wrong.samples)
 
 
 def recording_of(pair: Pair, about: About) -> str:
@@ -219,60 +220,6 @@ def _by_pair(results: Results) -> dict[Pair, list[Result]]:
     for result in results.of():
         of_pair[result.pair].append(result)
     return dict(of_pair)
-
-
-class _Cells:
-    """Wrong decisions by class, pair and method, the surest first."""
-
-    def __init__(self, of_pair: Mapping[Pair, Sequence[Result]]) -> None:
-        self._of: dict[str, dict[Pair, dict[str, list[int]]]] = {}
-        self.total = self.samples = 0
-        for pair, results in of_pair.items():
-            self.samples += len(self._filled(pair, results))
-        self._of = dict(sorted(self._of.items()))
-
-    def _filled(self, pair: Pair, results: Iterable[Result]) -> set[int]:
-        met: set[int] = set()
-        for result in results:
-            wrong = np.flatnonzero(result.decided != result.truth)
-            sure = np.nan_to_num(result.confidence[wrong], nan=-np.inf)
-            wrong = wrong[np.lexsort((result.stamps[wrong], -sure))]
-            self.total += len(wrong)
-            met.update(result.stamps[wrong].tolist())
-            for number in np.unique(result.truth[wrong]):
-                stamps = result.stamps[wrong[result.truth[wrong] == number]]
-                of_class = self._of.setdefault(result.classes[number], {})
-                of_class.setdefault(pair, {})[result.method] = stamps.tolist()
-        return met
-
-    def chosen(self, most: int) -> list[tuple[Pair, str, int]]:
-        """Return pair, method and stamp of so many samples."""
-        found: dict[tuple[Pair, int], str] = {}
-        taken: Counter[object] = Counter()
-        while self._of and len(found) < most:
-            for name in list(self._of):
-                if len(found) < most and not self._one_of(name, found, taken):
-                    del self._of[name]
-        return [(pair, method, stamp) for (pair, stamp), method in found.items()]
-
-    def _one_of(
-        self, name: str, found: dict[tuple[Pair, int], str], taken: Counter[object]
-    ) -> bool:
-        """Take one more of a class; return whether there was one."""
-        pairs = self._of[name]
-        while pairs:
-            pair = min(pairs, key=lambda each: (taken[name, each], taken[each]))
-            method = min(pairs[pair], key=lambda each: taken[each])
-            stamps = pairs[pair][method]
-            stamp = next((each for each in stamps if (pair, each) not in found), None)
-            if stamp is not None:
-                found[pair, stamp] = method
-                taken.update([(name, pair), pair, method])
-                return True
-            del pairs[pair][method]
-            if not pairs[pair]:
-                del pairs[pair]
-        return False
 
 
 def _mistake(results: Sequence[Result], method: str, stamp: int, alone: set[str]) -> Mistake:

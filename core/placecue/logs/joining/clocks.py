@@ -73,10 +73,16 @@ def set_clocks(readers: Sequence[TopicReader], behind: Mapping[str, int], driver
     """
     own = behind.get(driver, 0)
     for reader in readers:
-        offset = behind.get(reader.topic.name, own)
-        limit = APART_OF_TRANSFORMS if reader.role == "transform" else APART
-        reader.shift = offset - own if abs(offset - own) > limit else 0
+        moves = reader.role == "transform"
+        reader.shift = shift_of(behind, reader.topic.name, driver, transforms=moves)
         reader.behind = own if abs(own) > APART else 0
+
+
+def shift_of(behind: Mapping[str, int], topic: str, driver: str, transforms: bool) -> int:
+    """Return what brings the stamps of a topic to the clock of another, ns; 0 if it is one."""
+    own = behind.get(driver, 0)
+    apart = behind.get(topic, own) - own
+    return apart if abs(apart) > (APART_OF_TRANSFORMS if transforms else APART) else 0
 
 
 def tell(

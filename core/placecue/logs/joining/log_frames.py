@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from placecue.errors import DataError, PlacecueError
 from placecue.faults import Faults
 from placecue.logs.adapters import contract
-from placecue.logs.joining import depth, frames, mounting
+from placecue.logs.joining import clocks, depth, frames, mounting
 from placecue.logs.joining.frames import FIXED_FRAMES, Survey, TransformReader
 from placecue.logs.joining.mounting import Mountings
 from placecue.logs.joining.poses import Motion, first_of
@@ -259,9 +260,17 @@ class LogFrames:
         held = self._held(survey, fixed, base, gap)
         for child, edge in survey.buffer.edges.items():
             made = Edge(edge.static or child in held)
-            made.history = edge.history[: None if edge.static else 1]
+            made.history = list(edge.history) if edge.static else [self._shifted(edge.history[0])]
             buffer.take(child, made)
         return buffer
+
+    def _shifted(self, first: Transform) -> Transform:
+        """Return a transform of the look before, on the clock of the drivers."""
+        behind, driver = self.source.behind, self.driver
+        moving = next(t.name for t in self.topics if not frames.is_static(t))
+        name = moving if driver is None else driver.name
+        shift = clocks.shift_of(behind, moving, name, transforms=True)
+        return replace(first, stamp=first.stamp + shift)
 
     def _held(self, survey: Survey, fixed: str | None, base: str, gap: int) -> set[str]:
         """Return the frames whose transforms come so seldom that each holds until the next."""

@@ -56,6 +56,8 @@ class Track:
     def drop(self, item: Item) -> None:
         """Drop an item that turned out to be useless."""
         self.items.remove(item)
+        if self.newest == item.stamp:
+            self.newest = self.items[-1].stamp if self.items else None
 
     def around(self, stamp: int) -> tuple[Item | None, Item | None]:
         """Return the last item at or before a time and the first one after it."""
@@ -267,7 +269,21 @@ class Synchroniser:
             return True
         if self.motion is not None and not self.motion.reaches(stamp):
             return False
-        return all(self._tracks[part].reaches(stamp) for part in self.followers)
+        if not all(self._tracks[part].reaches(stamp) for part in self.followers):
+            return False
+        poses = self._tracks.get("pose")
+        if poses is None:
+            return True
+        self._clear(poses, stamp)
+        return poses.reaches(stamp)
+
+    def _clear(self, poses: Track, stamp: int) -> None:
+        """Drop poses next to a time that cannot be used, until those next to it can."""
+        poor: list[Item] | None = None
+        while poor is None or poor:
+            poor = [each for each in poses.around(stamp) if each and not self.usable(each)]
+            for each in poor:
+                poses.drop(each)
 
     def _pop(self) -> Iterator[Match]:
         stamp, _, item = heapq.heappop(self._waiting)
@@ -300,13 +316,8 @@ class Synchroniser:
         track = self._tracks.get("pose")
         if track is None:
             return ()
-        while True:
-            before, after = track.around(stamp)
-            poor = [each for each in (before, after) if each and not self.usable(each)]
-            for each in poor:
-                track.drop(each)
-            if not poor:
-                break
+        self._clear(track, stamp)
+        before, after = track.around(stamp)
         if before is not None and after is not None:
             if before.stamp == stamp:
                 return (before,)

@@ -158,11 +158,17 @@ class McapLog(LogOptions):
         """
         reading = self._reading()
         if not self._faults_told:
-            log.info(f"{self.path}: {self.taken()}")
+            self._tell_taken()
         yield from reading.observations()
         if not self._faults_told:
             reading.faults.report()
             self._faults_told = True
+
+    def _tell_taken(self) -> None:
+        """Say what is read, where there was something to choose between."""
+        left = {each for choice in self.choices.values() for each in choice.others}
+        if any(topics.role_of(topic) != "transform" for topic in left):
+            log.info(f"{self.path}: {self.taken()}")
 
     def taken(self) -> str:
         """Return in one line which topics and frames are read, and what else there was."""
@@ -267,7 +273,8 @@ class McapLog(LogOptions):
         chosen = self._read(part)
         if part == "pose":
             found = [topic for topic in chosen if topics.role_of(topic) != "transform"]
-            return [PoseReader(self.file, topic, motion) for topic in found]
+            carrier = motion if self.frames.carries(motion) else None
+            return [PoseReader(self.file, topic, carrier) for topic in found]
         if part == "scan" and chosen:
             place = self.frames.mountings(motion, faults).place
             if chosen[0].depth:

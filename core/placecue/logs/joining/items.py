@@ -126,18 +126,24 @@ class TopicReader:
             If not even its time can be read.
         """
         said, decoded = self.stamp(message)
-        stamp = self.timed(said, message.log_time)
-        if said <= 0:
-            self.unstamped += stamp != said
-            if self.role == "label":  # goes by the recorder's clock, as all of its kind
-                stamp = message.log_time
+        log_time = message.log_time
+        stamped = said > 0
+        stamp = said + self.shift if stamped else self._guessed(log_time)
         return Item(
             stamp,
             self.role,
             lambda: self._value(message, stamp, decoded),
-            message.log_time,
-            said > 0 or stamp == said,
+            log_time,
+            stamped,
         )
+
+    def _guessed(self, log_time: int) -> int:
+        """Return the time of a message without a stamp; that of a label is the recorder's."""
+        if self.role == "label":
+            return log_time
+        stamp = self.timed(0, log_time)
+        self.unstamped += stamp != 0
+        return stamp
 
     def stamp(self, message: Message) -> tuple[int, Any]:
         """Return what a message says of its time, ns, and the message decoded if that took it.

@@ -206,6 +206,14 @@ class LogFrames:
         buffer = self._seeded(survey, fixed, base)
         return Motion(buffer, base, fixed, alone, laser if laser in moving else None)
 
+    def carries(self, motion: Motion) -> bool:
+        """Tell whether poses are of another frame than the robot's, and have to be carried."""
+        placed = self.placed
+        if placed is None or not placed.child:
+            return False
+        child = frames.named(placed.child, motion.buffer)
+        return child != motion.base and motion.buffer.connected(child, motion.base)
+
     def moves(self, motion: Motion) -> bool:
         """Tell whether a pass has to take transforms in."""
         return all(motion.buffer is not each.buffer for each in self._surveys.values()) and bool(

@@ -80,7 +80,7 @@ class PoseReader(TopicReader):
     topic : Topic
         One with poses.
     motion : Motion or None
-        Transforms, where the messages place another frame than the robot's.
+        Transforms, where the messages place another frame than the robot's; else None.
     """
 
     def __init__(self, file: LogFile, topic: Topic, motion: Motion | None) -> None:
@@ -89,11 +89,12 @@ class PoseReader(TopicReader):
 
     def _value(self, message: Message, stamp: int, decoded: Any) -> Any:
         pose = super()._value(message, stamp, decoded)
-        if not (all(map(isfinite, (pose.x, pose.y, pose.theta)))):
-            raise UnusableObservation(f"a pose of {self.topic.name} at {stamp} is not finite")
-        if hypot(pose.x, pose.y) > FARTHEST:
+        far = hypot(pose.x, pose.y)
+        if not (far <= FARTHEST and isfinite(pose.theta)):
             raise UnusableObservation(
-                f"a pose of {self.topic.name} at {stamp} is {hypot(pose.x, pose.y):g} m away"
+                f"a pose of {self.topic.name} at {stamp} is not finite"
+                if not isfinite(far + pose.theta)
+                else f"a pose of {self.topic.name} at {stamp} is {far:g} m away"
             )
         motion = self.motion
         moved = None if motion is None else call(self.adapter, "moved", self.decoded(message))

@@ -84,8 +84,10 @@ class Reading:
         parts: list[Part] = [*followers, "pose"] if motion and motion.from_transforms else followers
         assembler = Assembler(driver, parts, intervals, self.faults, motion, recorded)
         self._assembler = assembler
+        moving = motion if any(reader.role == "transform" for reader in readers) else None
+        self._moving = moving
         self._synchroniser = Synchroniser(
-            driver, followers, *spans, silence=silence, usable=assembler.usable, motion=motion
+            driver, followers, *spans, silence=silence, usable=assembler.usable, motion=moving
         )
 
     def observations(self) -> Iterator[Observation]:
@@ -128,8 +130,8 @@ class Reading:
             if reader.unstamped:
                 kind = "messages have no stamp and go by their log time"
                 self.faults.add(kind, f"of {reader.topic.name}", reader.unstamped)
-        if self.motion is not None:
-            self.faults.join(self.motion.buffer.faults)
+        if self._moving is not None:
+            self.faults.join(self._moving.buffer.faults)
 
     def _past(self) -> Iterator[Message]:
         """Yield what holds when the reading begins: labels, and the transforms just before."""

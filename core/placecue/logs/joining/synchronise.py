@@ -175,6 +175,7 @@ class Synchroniser:
         self._quiet: int | None = None  # since when there is no image: the last one
         self._taken: int | None = None  # the last image, or scan that stood in
         self._last: int | None = None
+        self._cleared: int | None = None  # the time next to which poses were last looked at
 
     def push(self, item: Item) -> Iterator[Match]:
         """Take in an item and yield the matches that it completes."""
@@ -275,13 +276,15 @@ class Synchroniser:
         if poses is None:
             return True
         self._clear(poses, stamp)
+        self._cleared = stamp
         return poses.reaches(stamp)
 
     def _clear(self, poses: Track, stamp: int) -> None:
         """Drop poses next to a time that cannot be used, until those next to it can."""
-        poor: list[Item] | None = None
-        while poor is None or poor:
+        while True:
             poor = [each for each in poses.around(stamp) if each and not self.usable(each)]
+            if not poor:
+                return
             for each in poor:
                 poses.drop(each)
 
@@ -316,7 +319,8 @@ class Synchroniser:
         track = self._tracks.get("pose")
         if track is None:
             return ()
-        self._clear(track, stamp)
+        if self._cleared != stamp:
+            self._clear(track, stamp)
         before, after = track.around(stamp)
         if before is not None and after is not None:
             if before.stamp == stamp:

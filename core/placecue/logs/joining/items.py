@@ -54,6 +54,11 @@ class Item:
         self._read: Callable[[], Any] | None = read
         self._value: Any = None
 
+    @property
+    def known(self) -> bool:
+        """Whether the value has been read, and is one."""
+        return self._read is None
+
     def value(self) -> Any:
         """Return the part of an observation that the message gives.
 
@@ -125,7 +130,13 @@ class TopicReader:
         UnusableObservation
             If not even its time can be read.
         """
-        said, decoded = self.stamp(message)
+        if self._peek is None:
+            said, decoded = self.stamp(message)
+        else:
+            try:
+                said, decoded = self._peek(message.data), None
+            except Exception as error:  # damaged bytes
+                raise self._unusable(message.log_time, error) from error
         log_time = message.log_time
         stamped = said > 0
         stamp = said + self.shift if stamped else self._guessed(log_time)

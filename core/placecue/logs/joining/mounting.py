@@ -43,12 +43,15 @@ class Mounting:
     def place(self, scan: LaserScan) -> LaserScan:
         """Return a scan, given in its own frame, as it sits on the robot."""
         inner = scan.mount
-        scan = replace(scan, range_max=self.range_max) if isnan(scan.range_max) else scan
+        limit = self.range_max if isnan(scan.range_max) else scan.range_max
         if not self.flipped:
-            return replace(scan, mount=self.pose.compose(inner))
+            here = inner.x == inner.y == inner.theta == 0.0
+            mount = self.pose if here else self.pose.compose(inner)
+            return LaserScan(scan.angles, scan.ranges, scan.range_min, limit, mount)
         mirrored = Pose2D(inner.x, -inner.y, -inner.theta)
         return replace(
             scan,
+            range_max=limit,
             angles=-scan.angles[::-1],
             ranges=scan.ranges[::-1].copy(),
             mount=self.pose.compose(mirrored),

@@ -175,7 +175,8 @@ class Synchroniser:
         self._quiet: int | None = None  # since when there is no image: the last one
         self._taken: int | None = None  # the last image, or scan that stood in
         self._last: int | None = None
-        self._cleared: int | None = None  # the time next to which poses were last looked at
+        # A time, and the poses next to it that can be used.
+        self._beside: tuple[int | None, Item | None, Item | None] = (None, None, None)
 
     def push(self, item: Item) -> Iterator[Match]:
         """Take in an item and yield the matches that it completes."""
@@ -275,18 +276,24 @@ class Synchroniser:
         poses = self._tracks.get("pose")
         if poses is None:
             return True
-        self._clear(poses, stamp)
-        self._cleared = stamp
-        return poses.reaches(stamp)
+        beside = self._usable_around(poses, stamp)
+        if not poses.reaches(stamp):
+            return False
+        self._beside = stamp, *beside  # nothing comes in before it is used
+        return True
 
-    def _clear(self, poses: Track, stamp: int) -> None:
-        """Drop poses next to a time that cannot be used, until those next to it can."""
+    def _usable_around(self, poses: Track, stamp: int) -> tuple[Item | None, Item | None]:
+        """Return the poses before and after a time, without those that cannot be used."""
         while True:
-            poor = [each for each in poses.around(stamp) if each and not self.usable(each)]
-            if not poor:
-                return
-            for each in poor:
-                poses.drop(each)
+            before, after = poses.around(stamp)
+            if before is not None and not (before.known or self.usable(before)):
+                poses.drop(before)
+            elif before is not None and before.stamp == stamp:
+                return before, after
+            elif after is not None and not (after.known or self.usable(after)):
+                poses.drop(after)
+            else:
+                return before, after
 
     def _pop(self) -> Iterator[Match]:
         stamp, _, item = heapq.heappop(self._waiting)
@@ -308,20 +315,20 @@ class Synchroniser:
     def _label(self, driver: Item) -> Item | None:
         """Return the label in force: by the recorder's clock where labels have no other."""
         stamped = self._tracks["label"].around(driver.stamp)[0]
-        found = stamped, self._recorded.around(driver.log_time)[0]
-        return max(
-            (each for each in found if each is not None),
-            key=lambda each: each.log_time,
-            default=None,
-        )
+        if not self._recorded.items:
+            return stamped
+        recorded = self._recorded.around(driver.log_time)[0]
+        if stamped is None or recorded is None:
+            return stamped or recorded
+        return max(stamped, recorded, key=lambda each: each.log_time)
 
     def _poses(self, stamp: int) -> tuple[Item, ...]:
         track = self._tracks.get("pose")
         if track is None:
             return ()
-        if self._cleared != stamp:
-            self._clear(track, stamp)
-        before, after = track.around(stamp)
+        (known, before, after), self._beside = self._beside, (None, None, None)
+        if known != stamp:
+            before, after = self._usable_around(track, stamp)
         if before is not None and after is not None:
             if before.stamp == stamp:
                 return (before,)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, atan2, cos, hypot, isfinite, nan, sin
+from math import acos, atan2, cos, hypot, isfinite, sin
 from typing import TypeAlias
 
 import numpy as np
@@ -99,8 +99,7 @@ def slerp(one: Quaternion, other: Quaternion, share: float) -> Quaternion:
 
 def yaw(x: float, y: float, z: float, w: float) -> float:
     """Return the heading of a quaternion of any length, rad, in [-pi, pi]; 0 where it is zero."""
-    x, y, z, w = normalised((x, y, z, w)) or (NO_TURN if not any((x, y, z, w)) else (nan,) * 4)
-    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 def quaternion(theta: float) -> tuple[float, float, float, float]:

@@ -7,10 +7,12 @@ from typing import Any
 
 import pytest
 
+from bags import Recording
 from mcap_logs import START, heading
 from placecue.errors import DataError, UsageError
 from placecue.logs import McapLog, open_log
 from placecue.logs.info import summarise
+from placecue.logs.rosbag import RosbagLog
 
 HALF_OVER = {"x": 1.0, "y": 0.0, "z": 0.0, "w": 0.0}
 NOTHING = dict.fromkeys("xyzw", math.nan)
@@ -314,3 +316,66 @@ def test_intervals_on_the_recorders_clock(
     found = [each.label for each in open_log(log.close(), labels=str(labels))]
     assert found == ["office"] * 20 + ["lab"] * 20
     assert "are read on the recorder's clock" in caplog.text
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_transforms_of_foxglove(as_json: Any, several: bool) -> None:
+    log = as_json()
+    for i in range(10):
+        moves = [
+            {
+                "timestamp": log.time(0.1 * i),
+                "parent_frame_id": parent,
+                "child_frame_id": child,
+                "translation": {"x": x, "y": 0.0, "z": 0.0},
+                "rotation": LEVEL,
+            }
+            for parent, child, x in [("map", "odom", 0.2 * i), ("odom", "base_link", 0.1 * i)]
+        ]
+        if several:
+            log.put("/tf", "foxglove.FrameTransforms", {"transforms": moves}, 0.1 * i)
+        else:
+            for each in moves:
+                log.put("/tf", "foxglove.FrameTransform", each, 0.1 * i)
+        log.scan(0.1 * i, [1.0])
+    assert xs(log.close()) == pytest.approx([0.3 * i for i in range(10)])
+
+
+@pytest.mark.parametrize(("ros", "name"), [(1, "run.bag"), (2, "run")])
+def test_transforms_in_bags(tmp_path: Any, ros: int, name: str) -> None:
+    made = Recording(ros)
+    for i in range(10):
+        for parent, child, x in (("/map", "/odom", 0.2 * i), ("/odom", "/base_link", 0.1 * i)):
+            moved = made.make(
+                "geometry_msgs/msg/Transform",
+                made.make("geometry_msgs/msg/Vector3", x, 0.0, 0.0),
+                made.make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0),
+            )
+            header = made.header(0.1 * i, parent)
+            one = made.make("geometry_msgs/msg/TransformStamped", header, child, moved)
+            message = made.make("tf2_msgs/msg/TFMessage", [one])
+            made.add("/tf", "tf2_msgs/msg/TFMessage", 0.1 * i, message)
+        made.scan(0.1 * i, [1.0, 2.0, 3.0])
+    found = [each.pose for each in RosbagLog(made.as_bag(tmp_path / name))]
+    assert [p.x for p in found if p] == pytest.approx([0.3 * i for i in range(10)])
+    assert {p.frame for p in found if p} == {"map"}
+
+
+def test_transforms_follow_a_clock_that_jumps_back(ros2: Any) -> None:
+    log = ros2()
+    for turn in range(2):
+        for i in range(40):
+            t, at = 0.1 * i, 0.1 * i + 4.0 * turn
+            one = {
+                "header": log.header(t, "odom"),
+                "child_frame_id": "base_link",
+                "transform": {
+                    "translation": {"x": 100.0 * turn + i, "y": 0.0, "z": 0.0},
+                    "rotation": LEVEL,
+                },
+            }
+            log.put("/tf", "tf2_msgs/msg/TFMessage", {"transforms": [one]}, at)
+            log.scan(t, [1.0], lag=at - t)
+    found = xs(log.close())
+    assert found[:38] == pytest.approx([float(i) for i in range(38)])
+    assert found[-25:] == pytest.approx([100.0 + i for i in range(15, 40)])

@@ -35,7 +35,8 @@ class McapLog(LogOptions):
 
     Each image makes an observation, or each scan where there are no images, with the nearest
     scan, the pose interpolated to its time, and the label in force. Times are those of the
-    message headers; the log time stands in where a header has none. Where that clock jumps back,
+    message headers; where one has no stamp its log time stands in, and labels without stamps go
+    by the log times of what they label. Where that clock jumps back,
     observations go on at the earlier time. Topics are chosen by schema; where there is no laser,
     a depth camera gives virtual scans.
     Nothing is decoded that is not asked for, and memory does not grow with the log.
@@ -132,7 +133,8 @@ class McapLog(LogOptions):
     def behind(self) -> dict[str, int]:
         """How far the headers of the chosen topics are behind the recorder's clock, ns."""
         chosen = [reader for part in self.choices for reader in self._plain_readers(part)]
-        moved = [each for each in self.frames.readers if not each.static]
+        placed = "pose" in self.choices or "scan" in self.choices
+        moved = [each for each in self.frames.readers if not each.static] if placed else []
         return clocks.measured(self.file, [*chosen, *moved])
 
     @property

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import UnusableObservation
+from placecue.logs.messages.geometry import Transform
 
 Role = Literal["image", "scan", "pose", "label", "transform"]
 
@@ -58,6 +59,10 @@ class Adapter(ABC):
     def frame(self, message: Any) -> str:
         """Return the frame that the message is given in; empty where it does not say."""
         return ""
+
+    def moved(self, message: Any) -> Transform | None:
+        """Return where a pose puts which frame, in three dimensions; None where it does not say."""
+        return None
 
     def pixels(self, message: Any) -> str:
         """Return the pixel format of an image; empty where it does not say."""

@@ -28,7 +28,7 @@ class FoxgloveAdapter(Adapter):
 
     def frame(self, message: Any) -> str:
         """Return the frame of reference."""
-        return str(message["frame_id"])
+        return str(message["frame_id"]).lstrip("/")
 
 
 def nanoseconds(time: Any) -> int:
@@ -175,8 +175,8 @@ def _planar(pose: Any, frame: str) -> Pose2D:
 def _transform(message: Any) -> Transform:
     translation = message["translation"]
     return Transform(
-        parent=message["parent_frame_id"],
-        child=message["child_frame_id"],
+        parent=str(message["parent_frame_id"]).lstrip("/"),
+        child=str(message["child_frame_id"]).lstrip("/"),
         translation=(translation["x"], translation["y"], translation["z"]),
         rotation=_xyzw(message["rotation"]),
         stamp=nanoseconds(message["timestamp"]),

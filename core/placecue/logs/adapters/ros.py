@@ -107,6 +107,11 @@ class RosOdometry(RosAdapter):
         """Return the pose in the plane."""
         return _planar(message.pose.pose, self.frame(message))
 
+    def moved(self, message: Any) -> Transform | None:
+        """Return where it puts its child frame; a PoseWithCovarianceStamped names none."""
+        child = str(getattr(message, "child_frame_id", "")).lstrip("/")
+        return _moved(message.pose.pose, self.frame(message), child) if child else None
+
 
 class RosPoseStamped(RosAdapter):
     """geometry_msgs/PoseStamped."""
@@ -168,6 +173,10 @@ class RosString(Adapter):
 
 def _planar(pose: Any, frame: str) -> Pose2D:
     return Pose2D(pose.position.x, pose.position.y, yaw(*_xyzw(pose.orientation)), frame)
+
+
+def _moved(pose: Any, parent: str, child: str) -> Transform:
+    return Transform(parent, child, _xyz(pose.position), _xyzw(pose.orientation))
 
 
 def _xyz(vector: Any) -> tuple[float, float, float]:

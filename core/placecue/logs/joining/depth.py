@@ -79,7 +79,7 @@ class DepthReader(TopicReader):
     topics : sequence of Topic
         All of the log; the camera's intrinsics are taken from the one with the most alike name.
     place : callable
-        Applied to each scan: the mounting of the camera.
+        Applied to each scan and its time: the mounting of the camera.
 
     Raises
     ------
@@ -92,10 +92,10 @@ class DepthReader(TopicReader):
         file: LogFile,
         topic: Topic,
         topics: Sequence[Topic],
-        place: Callable[[LaserScan], LaserScan],
+        place: Callable[[LaserScan, int], LaserScan],
     ) -> None:
         self.intrinsics = _intrinsics(file, topic, topics)
-        super().__init__(file, topic, lambda image: place(self._scan(image)))
+        super().__init__(file, topic, lambda image, stamp: place(self._scan(image), stamp))
         self.role = "scan"
 
     def _scan(self, image: Any) -> LaserScan:

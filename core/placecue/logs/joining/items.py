@@ -16,6 +16,9 @@ from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
 
+#: Clocks are one if they differ by less than this, ns: messages are recorded late, too.
+APART = 1_000_000_000
+
 
 class Item:
     """One message: its time, what it gives, and how to get at it.
@@ -28,15 +31,33 @@ class Item:
         What :meth:`value` gives.
     read : callable
         Gives the value; called once at most.
+    log_time : int, optional
+        When it was recorded, ns; its time of measurement by default.
+    stamped : bool
+        Whether the message itself said its time of measurement.
     """
 
-    __slots__ = ("_read", "_value", "role", "stamp")
+    __slots__ = ("_read", "_value", "log_time", "role", "stamp", "stamped")
 
-    def __init__(self, stamp: int, role: Role, read: Callable[[], Any]) -> None:
+    def __init__(
+        self,
+        stamp: int,
+        role: Role,
+        read: Callable[[], Any],
+        log_time: int | None = None,
+        stamped: bool = True,
+    ) -> None:
         self.stamp = stamp
+        self.log_time = stamp if log_time is None else log_time
+        self.stamped = stamped
         self.role = role
         self._read: Callable[[], Any] | None = read
         self._value: Any = None
+
+    @property
+    def known(self) -> bool:
+        """Whether the value has been read, and is one."""
+        return self._read is None
 
     def value(self) -> Any:
         """Return the part of an observation that the message gives.
@@ -62,7 +83,16 @@ class TopicReader:
     topic : Topic
         One that has an adapter.
     finish : callable, optional
-        Applied to each value, such as the mounting of a laser.
+        Applied to each value and its time, such as the mounting of a laser.
+
+    Attributes
+    ----------
+    shift : int
+        What brings the stamps of the topic to the clock of the drivers, ns.
+    behind : int
+        How far the clock of the drivers is behind the recorder's, ns.
+    unstamped : int
+        How many messages so far had no stamp.
 
     Raises
     ------
@@ -71,7 +101,7 @@ class TopicReader:
     """
 
     def __init__(
-        self, file: LogFile, topic: Topic, finish: Callable[[Any], Any] | None = None
+        self, file: LogFile, topic: Topic, finish: Callable[[Any, int], Any] | None = None
     ) -> None:
         adapter = adapter_for(topic.encoding, topic.schema)
         if adapter is None:
@@ -80,6 +110,9 @@ class TopicReader:
         self.adapter = adapter
         self.role: Role = adapter.role
         self.finish = finish
+        self.shift = 0
+        self.behind = 0
+        self.unstamped = 0
         self._check = contract.VALUES[adapter.role]
         contents = file.contents
         channels = {number: contents.channels[number] for number in topic.channels}
@@ -97,21 +130,62 @@ class TopicReader:
         UnusableObservation
             If not even its time can be read.
         """
+        if self._peek is None:
+            said, decoded = self.stamp(message)
+        else:
+            try:
+                said, decoded = self._peek(message.data), None
+            except Exception as error:  # damaged bytes
+                raise self._unusable(message.log_time, error) from error
+        log_time = message.log_time
+        stamped = said > 0
+        stamp = said + self.shift if stamped else self._guessed(log_time)
+        return Item(
+            stamp,
+            self.role,
+            lambda: self._value(message, stamp, decoded),
+            log_time,
+            stamped,
+        )
+
+    def _guessed(self, log_time: int) -> int:
+        """Return the time of a message without a stamp; that of a label is the recorder's."""
+        if self.role == "label":
+            return log_time
+        stamp = self.timed(0, log_time)
+        self.unstamped += stamp != 0
+        return stamp
+
+    def stamp(self, message: Message) -> tuple[int, Any]:
+        """Return what a message says of its time, ns, and the message decoded if that took it.
+
+        Raises
+        ------
+        UnusableObservation
+            If not even its time can be read.
+        """
         try:
             if self._peek is not None:
-                stamp = self._peek(message.data)
-                decoded = None
-            else:
-                decoded = self._decode[message.channel_id](message.data)
-                stamp = call(self.adapter, "stamp", decoded, check=contracts.stamp)
-                if not contracts.fits(stamp):
-                    raise OverflowError(f"a stamp of {stamp} ns")
+                return self._peek(message.data), None
+            decoded = self._decode[message.channel_id](message.data)
+            stamp: int = call(self.adapter, "stamp", decoded, check=contracts.stamp)
+            if not contracts.fits(stamp):
+                raise OverflowError(f"a stamp of {stamp} ns")
+            return stamp, decoded
         except ContractError:
             raise
         except Exception as error:  # decoders raise anything over damaged bytes
             raise self._unusable(message.log_time, error) from error
-        stamp = stamp if stamp > 0 else message.log_time
-        return Item(stamp, self.role, lambda: self._value(message, stamp, decoded))
+
+    def timed(self, stamp: int, log_time: int) -> int:
+        """Return a stamp on the clock of the drivers; where there is none, from the log time.
+
+        A stamp of 0 is one where that clock began when the message was recorded.
+        """
+        if stamp > 0:
+            return stamp + self.shift
+        guess = log_time - self.behind
+        return 0 if self.behind and abs(guess) < APART else guess
 
     def decoded(self, message: Message) -> Any:
         """Return a message with its fields.
@@ -136,7 +210,7 @@ class TopicReader:
             raise
         except Exception as error:  # decoders raise anything over damaged bytes
             raise self._unusable(stamp, error) from error
-        return value if self.finish is None else self.finish(value)
+        return value if self.finish is None else self.finish(value, stamp)
 
     def _unusable(self, stamp: int, error: Exception) -> UnusableObservation:
         reason = " ".join(str(error).split()) or type(error).__name__

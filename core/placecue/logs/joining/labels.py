@@ -38,6 +38,11 @@ class Intervals:
         row = bisect_right(self.starts, stamp) - 1
         return self.labels[row] if row >= 0 and stamp < self.ends[row] else None
 
+    def meets(self, start: int, end: int) -> bool:
+        """Tell whether an interval has a part within a span of time, ns."""
+        pairs = zip(self.starts, self.ends, strict=True)
+        return any(first <= end and last > start for first, last in pairs)
+
     @classmethod
     def from_csv(cls, path: str | Path) -> Intervals:
         """Read a file with the columns ``start``, ``end`` and ``label``, named in its first line.

@@ -34,6 +34,7 @@ from placecue.components.manager import current_plugins
 from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.components.searches import check_opened, opened
 from placecue.errors import PlacecueError, UsageError, choices
+from placecue.limits import limited
 
 
 def run_command(command: str, overrides: list[str]) -> int:
@@ -150,7 +151,7 @@ class Task:
         settings: dict[str, Any] = plain(config)
         if job is not None and settings.get("out") is not None:
             settings["out"] = self._out_of_job(config, settings, job, module.WRITES is not None)
-        with guarded(settings, module.WRITES):
+        with limited(settings.get("limits")), guarded(settings, module.WRITES):
             try:
                 module.run(settings)
             except SystemExit as error:

@@ -12,6 +12,7 @@ from pathlib import Path
 from mcap.records import ChunkIndex, McapRecord, Message
 
 from placecue.errors import DataError
+from placecue.limits import limits
 from placecue.logs.mcap import indexed, linear
 from placecue.logs.mcap.contents import Contents, read_contents
 from placecue.logs.mcap.linear import MAGIC, Damage
@@ -80,8 +81,11 @@ class LogFile:
         self.contents: Contents = read_contents(self.path, self.size)
         self._told_of_chunks = False
         self._sound: set[int] = set()
+        check_channels(self.path, len(self.contents.channels))
         if self.contents.damage is not None:
             self._tell_cut(self.contents.damage, (self.contents.counts or Counter()).total())
+        elif self.contents.lost or self.contents.absent:
+            self._tell_absent()
 
     def topics(self) -> list[Topic]:
         """Return the topics in order of name; one that changes its schema appears twice."""
@@ -154,6 +158,15 @@ class LogFile:
                 "and what is left of them may be wrong"
             )
 
+    def _tell_absent(self) -> None:
+        contents = self.contents
+        chunks = f"{contents.absent} chunks" if contents.absent != 1 else "a chunk"
+        what = f"{chunks} that its summary names" if contents.absent else "messages that it names"
+        log.warning(
+            f"{self.path}: {what} cannot be found, as if cut out; {_lost(contents.lost)}, and the "
+            "rest is read"
+        )
+
     def _tell_cut(self, damage: Damage, messages: int) -> None:
         contents = self.contents
         seconds = (contents.end - contents.start) * 1e-9
@@ -169,6 +182,19 @@ class LogFile:
             f"but not at {place}{f' and in {more} places behind it' if more else ''}; "
             f"{_lost(contents.lost)}; 'mcap recover' makes a whole file of what is left"
         )
+
+
+def check_channels(path: Path, count: int) -> None:
+    """Refuse a log with more channels than logs may have.
+
+    Raises
+    ------
+    DataError
+        If it has too many.
+    """
+    over = limits().over("channels", count)
+    if over:
+        raise DataError(f"{path} has {count} channels, {over}")
 
 
 def _lost(count: int | None) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 from placecue.errors import UnusableObservation
 from placecue.limits import limits
@@ -12,7 +13,10 @@ from placecue.limits import limits
 Size = tuple[int, int]
 
 #: Beginning, number of channels or kind, width and height of a portable any-map.
-PNM = re.compile(rb"P([1-6])(?:\s+|#[^\n]*\n)+(\d{1,9})(?:\s+|#[^\n]*\n)+(\d{1,9})")
+_GAP = rb"(?:\s+|#[^\n]*\n)+"
+PNM = re.compile(rb"P([1-6])" + (_GAP + rb"(\d{1,9})") * 2)
+#: The same with the value that stands for white.
+PNM_WHITE = re.compile(rb"P([2356])" + (_GAP + rb"(\d{1,9})") * 3 + rb"\s")
 #: Markers of JPEG that no length follows, and those of the frames that hold the size.
 BARE, FRAMES = {0x01, *range(0xD0, 0xDA)}, {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 #: Tags of TIFF, and how many bytes their numbers take by type.
@@ -61,6 +65,40 @@ def check_pixels(width: int, height: int, origin: str) -> None:
     over = limits().over("pixels", width * height)
     if over:
         raise UnusableObservation(f"{origin} is an image of {width} x {height} pixels, {over}")
+
+
+class PortableMap(NamedTuple):
+    """What stands before the pixels of a PGM or PPM.
+
+    Parameters
+    ----------
+    width, height : int
+        Size, pixels.
+    white : int
+        The value that stands for white.
+    colours : bool
+        Whether a pixel is red, green and blue.
+    plain : bool
+        Whether values are text.
+    start : int
+        Where they begin.
+    """
+
+    width: int
+    height: int
+    white: int
+    colours: bool
+    plain: bool
+    start: int
+
+
+def white_of(data: bytes) -> PortableMap | None:
+    """Return what a PGM or PPM says before its pixels; None for anything else."""
+    found = PNM_WHITE.match(data) if data[:1] == b"P" else None
+    if found is None:
+        return None
+    kind, width, height, white = (int(each) for each in found.groups())
+    return PortableMap(width, height, white, kind in (3, 6), kind in (2, 3), found.end())
 
 
 def _png(data: bytes) -> Size:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from inspect import signature
 from pathlib import Path
@@ -24,12 +24,13 @@ from placecue.logs.joining.items import TopicReader
 from placecue.logs.joining.labels import Intervals
 from placecue.logs.joining.mounting import Mounting
 from placecue.logs.joining.reading import Reading
+from placecue.logs.joining.scan_limit import OneLimit
 from placecue.logs.joining.silence import Silence, silence_of
 from placecue.logs.joining.topics import Choice
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.geometry import TransformTree
 from placecue.logs.options import LogOptions
-from placecue.observation import PARTS, Observation, Part
+from placecue.observation import PARTS, LaserScan, Observation, Part
 
 
 class McapLog(LogOptions):
@@ -125,6 +126,22 @@ class McapLog(LogOptions):
             laser = depth.looking_ahead(laser).child
         return mounting.find_mounting(tree, laser, self.base_frame, self.range_max, str(self.path))
 
+    @cached_property
+    def _place_under_one_limit(self) -> Callable[[LaserScan], LaserScan]:
+        scans = self.choices["scan"].topic
+        assert scans is not None  # asked only where scans are read
+        place = self.mounting.place
+        reader = TopicReader(self.file, scans, place)
+        for message in self.file.messages(scans.channels):
+            try:
+                item = reader.item(message)
+                first: LaserScan | None = None if item is None else item.value()
+            except UnusableObservation:
+                continue  # counted when the scans are read
+            if first is not None:
+                return OneLimit(first.range_max, place, f"{self.path}, {scans.name}")
+        return place
+
     # The observations.
 
     def __iter__(self) -> Iterator[Observation]:
@@ -200,7 +217,7 @@ class McapLog(LogOptions):
             return [
                 depth.DepthReader(self.file, chosen[0], self.file.topics(), self.mounting.place)
             ]
-        finish = self.mounting.place if part == "scan" and chosen else None
+        finish = self._place_under_one_limit if part == "scan" and chosen else None
         return [TopicReader(self.file, topic, finish) for topic in chosen]
 
     def _span(self) -> tuple[int | None, int | None]:

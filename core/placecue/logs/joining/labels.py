@@ -11,10 +11,13 @@ from itertools import pairwise
 from pathlib import Path
 
 from placecue.errors import DataError
+from placecue.limits import limits
 
 COLUMNS = ("start", "end", "label")
 #: A number without a point that is at least this large is nanoseconds, anything else seconds.
 NANOSECONDS_FROM = 10**14
+#: Times have at most so many digits before the point; to write out more can take forever.
+DIGITS = 25
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +65,11 @@ class Intervals:
                         f"{path}: the first line must name the columns start,end,label; it has "
                         f"{','.join(names) or 'nothing'}"
                     )
-                found = [_interval(row, f"{path}, line {rows.line_num}") for row in rows]
+                found = []
+                for row in rows:
+                    found.append(_interval(row, f"{path}, line {rows.line_num}"))
+                    if over := limits().over("rows", len(found)):
+                        raise DataError(f"{path} has {len(found)} rows, {over}")
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise DataError(f"cannot read the labels {path}: {error}") from error
         return cls._checked(sorted(found), path)
@@ -92,6 +99,8 @@ def _nanoseconds(text: str | None, where: str) -> int:
     text = (text or "").strip()
     try:
         number = Decimal(text)
+        if number.is_finite() and number.adjusted() > DIGITS:
+            raise DataError(f"{where}: '{text}' is no time: it lies beyond the year 2262")
         whole = "." not in text and "e" not in text.lower()
         return int(number) if whole and number >= NANOSECONDS_FROM else int(number * 10**9)
     except (InvalidOperation, OverflowError, ValueError):

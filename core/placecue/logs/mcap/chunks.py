@@ -150,9 +150,7 @@ def _uncompressed(data: bytes, head: ChunkHead) -> bytes:
     return data
 
 
-def salvage(
-    file: IO[bytes], head: ChunkHead, piece: int = 2**12
-) -> tuple[bytes | bytearray, int]:
+def salvage(file: IO[bytes], head: ChunkHead, piece: int = 2**12) -> tuple[bytes | bytearray, int]:
     """Return as much of a damaged or cut chunk's content as can be uncompressed, and its end.
 
     The compressed stream itself says where it ends, so the length in the head is not relied on.

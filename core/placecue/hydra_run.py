@@ -35,6 +35,7 @@ from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.components.searches import check_opened, opened
 from placecue.errors import PlacecueError, UsageError, choices
 from placecue.limits import limited
+from placecue.words import as_typed
 
 
 def run_command(command: str, overrides: list[str]) -> int:
@@ -60,6 +61,8 @@ def run_command(command: str, overrides: list[str]) -> int:
     _log_to_stderr(["placecue"])
     logging.getLogger("placecue").setLevel(logging.INFO)
     overrides = _overrides_first(overrides)
+    if "-sc" not in overrides:
+        overrides = [as_typed(word) for word in overrides]
     _check_words(command, overrides)
     register_with_hydra()
     _log_to_stderr(_packages())

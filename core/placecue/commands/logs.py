@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from placecue.checks import check_choice
+from placecue.commands.label_names import read_names
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
@@ -80,7 +81,8 @@ def relabelled(source: Source, config: Mapping[str, Any]) -> Source:
         Any source.
     config : mapping
         ``rooms``: a GeoJSON file whose polygons give the labels; ``label_map``: a mapping from
-        old labels to new ones, or null; ``unmapped_labels``: keep, drop or error.
+        old labels to new ones, as text or in a file too, or null; ``unmapped_labels``: keep, drop
+        or error.
 
     Raises
     ------
@@ -92,6 +94,8 @@ def relabelled(source: Source, config: Mapping[str, Any]) -> Source:
     rooms, names = config.get("rooms"), config.get("label_map")
     if not rooms and not names:
         return source
+    if isinstance(names, str):
+        names = read_names(names)
     if names is not None and not isinstance(names, Mapping):
         raise UsageError(
             f"label_map must map old labels to new ones, such as {{BO:office,PA:null}}, got "

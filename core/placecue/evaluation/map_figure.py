@@ -185,12 +185,12 @@ def _draw_background(axes: Axes, background: Points, voxel: float) -> None:
     if len(background) == 0:
         return
     columns, rows = np.round(background / voxel).astype(np.int64).T
-    grid = np.zeros((int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1))
-    grid[rows - rows.min(), columns - columns.min()] = 0.4
+    grid = np.zeros((int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1), dtype=np.uint8)
+    grid[rows - rows.min(), columns - columns.min()] = 2
     left, right = columns.min() - 0.5, columns.max() + 0.5
     bottom, top = rows.min() - 0.5, rows.max() + 0.5
     sides = (left * voxel, right * voxel, bottom * voxel, top * voxel)
-    axes.imshow(grid, cmap="Greys", vmin=0, vmax=1, origin="lower", extent=sides, zorder=1)
+    axes.imshow(grid, cmap="Greys", vmin=0, vmax=5, origin="lower", extent=sides, zorder=1)
 
 
 def _draw_truth(axes: Axes, truth: Truth, styles: Mapping[str, Style]) -> None:

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 Points = NDArray[np.float64]
 
 #: Points so many times as far from the middle as nearly all others are not shown,
-FAR = 20.0
+FAR = 8.0
 #: nor ones nearer than this, m, left out: a robot that hardly moves has nothing absurd about it.
 NEAR = 20.0
 #: Share of the points that are nearly all, from either side.
-SHARE = 0.02
+SHARE = 0.05
 
 
 def window_of(points: Points) -> Points:

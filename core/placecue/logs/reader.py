@@ -21,7 +21,7 @@ from placecue.guard import call
 from placecue.logs.adapters import contract
 from placecue.logs.joining import depth, mounting, topics
 from placecue.logs.joining.items import TopicReader
-from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.labels import Intervals, Seen
 from placecue.logs.joining.mounting import Mounting
 from placecue.logs.joining.reading import Reading
 from placecue.logs.joining.scan_limit import OneLimit
@@ -153,7 +153,15 @@ class McapLog(LogOptions):
             See :attr:`choices`; or the labels beside the log cannot be read.
         """
         reading = self._reading()
-        yield from reading.observations()
+        seen = Seen()
+        for observation in reading.observations():
+            seen.add(observation.stamp)
+            if self.intervals is not None and len(seen) == 1:
+                length = self.file.contents.end - self.file.contents.start
+                self.intervals.check_clock(observation.stamp, length, str(self.path))
+            yield observation
+        if self.intervals is not None and not self._faults_told:
+            self.intervals.tell_apart(seen, str(self.path))
         if not self._faults_told:
             reading.faults.report()
             self._faults_told = True

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+import logging
 from bisect import bisect_right
-from dataclasses import dataclass
-from datetime import UTC, datetime
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
 from decimal import Decimal, InvalidOperation
 from itertools import pairwise
 from pathlib import Path
@@ -13,11 +14,15 @@ from pathlib import Path
 from placecue.errors import DataError
 from placecue.limits import limits
 
+log = logging.getLogger(__name__)
+
 COLUMNS = ("start", "end", "label")
 #: A number without a point that is at least this large is nanoseconds, anything else seconds.
 NANOSECONDS_FROM = 10**14
 #: Times have at most so many digits before the point; to write out more can take forever.
 DIGITS = 25
+#: Clocks that are so far apart, ns, are not the same.
+YEAR = 365 * 86_400 * 10**9
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,16 +35,56 @@ class Intervals:
         Stamps, ns, in order; intervals do not overlap.
     labels : tuple of str
         One an interval.
+    path : str
+        Where they were read, for messages.
     """
 
     starts: tuple[int, ...]
     ends: tuple[int, ...]
     labels: tuple[str, ...]
+    path: str = field(default="the labels", repr=False)
 
     def at(self, stamp: int) -> str | None:
         """Return the label at a time, or None."""
         row = bisect_right(self.starts, stamp) - 1
         return self.labels[row] if row >= 0 and stamp < self.ends[row] else None
+
+    def check_clock(self, first: int, length: int, log_name: str) -> None:
+        """Refuse labels whose times can only be of another clock, or in another unit.
+
+        Parameters
+        ----------
+        first : int
+            Stamp of the first observation of a log, ns.
+        length : int
+            How long the log is, ns.
+        log_name : str
+            The log, for messages.
+
+        Raises
+        ------
+        DataError
+            If the intervals are more than a year away from the log.
+        """
+        if self.starts[0] - (first + length) > YEAR or first - max(self.ends) > YEAR:
+            raise DataError(self._apart(first, first + length, log_name))
+
+    def tell_apart(self, seen: Seen, log_name: str) -> None:
+        """Warn where no observation of a log lies in an interval."""
+        if not len(seen) or any(
+            start <= seen.last and end > seen.first
+            for start, end in zip(self.starts, self.ends, strict=True)
+        ):
+            return
+        log.warning(self._apart(seen.first, seen.last, log_name))
+
+    def _apart(self, first: int, last: int, log_name: str) -> str:
+        own = _span(self.starts[0], max(self.ends))
+        return (
+            f"the intervals of {self.path} never meet the log: they span {own}, and {log_name} "
+            f"spans {_span(first, last)}; give times on the log's own clock, in seconds "
+            "(1700000000.25), nanoseconds or ISO 8601"
+        )
 
     @classmethod
     def from_csv(cls, path: str | Path) -> Intervals:
@@ -82,7 +127,37 @@ class Intervals:
             if start < end:
                 raise DataError(f"{line}: the interval overlaps the one before it in time")
         starts, ends, labels, _ = zip(*found, strict=True)
-        return cls(starts, ends, labels)
+        return cls(starts, ends, labels, str(path))
+
+
+class Seen:
+    """The first and last stamp of the observations seen so far, ns."""
+
+    def __init__(self) -> None:
+        self.first = self.last = 0
+        self._count = 0
+
+    def add(self, stamp: int) -> None:
+        """Take in an observation."""
+        self.first = min(self.first, stamp) if self._count else stamp
+        self.last = max(self.last, stamp) if self._count else stamp
+        self._count += 1
+
+    def __len__(self) -> int:
+        return self._count
+
+
+def _span(first: int, last: int) -> str:
+    return f"{_shown(first)} to {_shown(last)}"
+
+
+def _shown(stamp: int) -> str:
+    """Return a time in seconds, and as a date where it is one of our days."""
+    text = f"{stamp * 1e-9:.3f}"
+    if not YEAR < stamp < 2**63:
+        return f"{text} s"
+    date = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=stamp // 1000)
+    return f"{text} s ({date:%Y-%m-%d %H:%M:%S} UTC)"
 
 
 def _interval(row: dict[str, str | None], line: str) -> tuple[int, int, str, str]:

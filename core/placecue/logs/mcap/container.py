@@ -154,7 +154,7 @@ class LogFile:
             known = None if None in lost else sum(each or 0 for each in lost)
             log.warning(
                 f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged, "
-                f"the first at byte {damaged[0].offset} ({damaged[0].reason}); {_lost(known)}, "
+                f"the first at byte {damaged[0].offset} ({damaged[0].reason}); {told_lost(known)}, "
                 "and what is left of them may be wrong"
             )
 
@@ -163,8 +163,8 @@ class LogFile:
         chunks = f"{contents.absent} chunks" if contents.absent != 1 else "a chunk"
         what = f"{chunks} that its summary names" if contents.absent else "messages that it names"
         log.warning(
-            f"{self.path}: {what} cannot be found, as if cut out; {_lost(contents.lost)}, and the "
-            "rest is read"
+            f"{self.path}: {what} cannot be found, as if cut out; {told_lost(contents.lost)}, "
+            "and the rest is read"
         )
 
     def _tell_cut(self, damage: Damage, messages: int) -> None:
@@ -180,7 +180,7 @@ class LogFile:
         log.warning(
             f"{self.path} is cut off or damaged: read {messages} messages over {seconds:.1f} s, "
             f"but not at {place}{f' and in {more} places behind it' if more else ''}; "
-            f"{_lost(contents.lost)}; 'mcap recover' makes a whole file of what is left"
+            f"{told_lost(contents.lost)}; 'mcap recover' makes a whole file of what is left"
         )
 
 
@@ -197,7 +197,8 @@ def check_channels(path: Path, count: int) -> None:
         raise DataError(f"{path} has {count} channels, {over}")
 
 
-def _lost(count: int | None) -> str:
+def told_lost(count: int | None) -> str:
+    """Say how many messages are lost; None is an unknown number."""
     if count is None:
         return "how many messages are lost is not known"
     return f"{count or 'no'} message{'s are' if count != 1 else ' is'} lost"

@@ -199,6 +199,8 @@ class _Walk:
             head = read_head(self.file, at + HEAD.size)
         except (ValueError, struct.error):
             return iter(()), self._search(at + 1) if end is None else end
+        if end is not None and limits().over("chunk", head.size):
+            return iter(()), end
         if not head.compression:
             return iter(()), head.content  # its records are read as if there were no chunk
         content, broken = salvage(self.file, head)

@@ -1,0 +1,40 @@
+"""Maps of labels with any letters: as text, or in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from placecue.errors import UsageError
+
+
+def read_names(given: str) -> Any:
+    """Return the map that a text or a file holds, in YAML or JSON.
+
+    Hydra's own words for mappings know few letters: ``label_map={Büro 1: office}`` comes here.
+
+    Parameters
+    ----------
+    given : str
+        Such as ``{"Büro 1": office, hall: null}``, or the path of a file of such lines.
+
+    Raises
+    ------
+    UsageError
+        If there is no such file, or it does not parse.
+    """
+    import yaml
+
+    text, where = given, "label_map"
+    if not given.lstrip().startswith("{"):
+        where = f"label_map={given}"
+        try:
+            text = Path(given).expanduser().read_text("utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise UsageError(
+                f"{where} is no map such as {{BO: office}}, and no file that can be read: {error}"
+            ) from error
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise UsageError(f"{where} is no map of labels: {' '.join(str(error).split())}") from error

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from omegaconf import OmegaConf
+
 from placecue.errors import UsageError
 
 
@@ -23,8 +25,6 @@ def read_names(given: str) -> Any:
     UsageError
         If there is no such file, or it does not parse.
     """
-    import yaml
-
     text, where = given, "label_map"
     if not given.lstrip().startswith("{"):
         where = f"label_map={given}"
@@ -35,6 +35,6 @@ def read_names(given: str) -> Any:
                 f"{where} is no map such as {{BO: office}}, and no file that can be read: {error}"
             ) from error
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError as error:
+        return OmegaConf.to_container(OmegaConf.create(text), resolve=False)
+    except Exception as error:  # parsers of YAML raise their own
         raise UsageError(f"{where} is no map of labels: {' '.join(str(error).split())}") from error

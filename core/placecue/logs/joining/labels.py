@@ -21,6 +21,8 @@ COLUMNS = ("start", "end", "label")
 NANOSECONDS_FROM = 10**14
 #: Times have at most so many digits before the point; to write out more can take forever.
 DIGITS = 25
+#: Letters of a cell that are shown.
+SHOWN = 60
 #: Clocks that are so far apart, ns, are not the same.
 YEAR = 365 * 86_400 * 10**9
 
@@ -108,7 +110,7 @@ class Intervals:
                 if missing:
                     raise DataError(
                         f"{path}: the first line must name the columns start,end,label; it has "
-                        f"{','.join(names) or 'nothing'}"
+                        f"{_short(','.join(names)) or 'nothing'}"
                     )
                 found = []
                 for row in rows:
@@ -170,12 +172,18 @@ def _interval(row: dict[str, str | None], line: str) -> tuple[int, int, str, str
     return start, end, label, line
 
 
+def _short(text: str) -> str:
+    """Return the beginning of a text, in one line."""
+    line = " ".join(text.split())
+    return line if len(line) <= SHOWN else f"{line[:SHOWN]} ..."
+
+
 def _nanoseconds(text: str | None, where: str) -> int:
     text = (text or "").strip()
     try:
         number = Decimal(text)
         if number.is_finite() and number.adjusted() > DIGITS:
-            raise DataError(f"{where}: '{text}' is no time: it lies beyond the year 2262")
+            raise DataError(f"{where}: '{_short(text)}' is no time: it lies beyond the year 2262")
         whole = "." not in text and "e" not in text.lower()
         return int(number) if whole and number >= NANOSECONDS_FROM else int(number * 10**9)
     except (InvalidOperation, OverflowError, ValueError):
@@ -184,7 +192,7 @@ def _nanoseconds(text: str | None, where: str) -> int:
         time = datetime.fromisoformat(text)
     except ValueError as error:
         raise DataError(
-            f"{where}: '{text}' is not a time; give seconds, nanoseconds or ISO 8601"
+            f"{where}: '{_short(text)}' is not a time; give seconds, nanoseconds or ISO 8601"
         ) from error
     time = time if time.tzinfo else time.replace(tzinfo=UTC)
     since = time - datetime(1970, 1, 1, tzinfo=UTC)

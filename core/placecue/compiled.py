@@ -26,7 +26,7 @@ def give_place(environment: MutableMapping[str, str], places: Iterable[Path]) ->
     places : iterable of Path
         Where numba looks by itself.
     """
-    if KEY in environment or all(map(_can_be_written, places)):
+    if KEY in environment or any(map(_can_be_written, places)):
         return
     own = environment.get("PLACECUE_CACHE")
     if own and _can_be_written(Path(own)):
@@ -43,10 +43,14 @@ def give_place(environment: MutableMapping[str, str], places: Iterable[Path]) ->
 
 def arrange() -> None:
     """Do so for this process."""
-    give_place(os.environ, [Path(__file__).parent])
+    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111
+    give_place(os.environ, [Path(__file__).parent, Path(cache)])
 
 
 def _can_be_written(place: Path) -> bool:
-    """Tell whether a folder, or the nearest one above it that there is, can be written."""
-    there = next((each for each in (place, *place.parents) if each.exists()), None)
-    return there is not None and os.access(there, os.W_OK | os.X_OK)
+    """Tell whether a folder can be written; one that is not there yet is made."""
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(place, os.W_OK | os.X_OK)

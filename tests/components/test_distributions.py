@@ -40,7 +40,7 @@ def test_it_is_listed_and_the_rest_is_loaded(
 
 def test_numba_is_given_a_place_only_where_it_finds_none(tmp_path: Path) -> None:
     environment: dict[str, str] = {}
-    give_place(environment, [tmp_path / "not/yet/there"])
+    give_place(environment, [Path("/proc/nowhere"), tmp_path / "not/yet/there"])
     assert environment == {}
     give_place(environment, [Path("/proc/nowhere")])
     assert Path(environment[KEY]).is_dir()

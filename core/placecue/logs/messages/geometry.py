@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, sin
+from math import atan2, cos, hypot, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from scipy.spatial.transform import Rotation
 from placecue.observation import Pose2D
 
 Matrix = NDArray[np.float64]
+#: A quaternion shorter than this has no direction left.
+LEAST = 1e-100
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +41,8 @@ class Transform:
     def matrix(self) -> Matrix:
         """Return the homogeneous matrix that takes child coordinates to the parent, (4, 4)."""
         result = np.eye(4)
-        if any(self.rotation):  # all zeros is what an unset message holds: no rotation
+        # All zeros is what an unset message holds: no rotation.
+        if hypot(*self.rotation) > LEAST:
             result[:3, :3] = Rotation.from_quat(self.rotation).as_matrix()
         result[:3, 3] = self.translation
         return result

@@ -16,6 +16,8 @@ from placecue.read_only import read_only
 
 Image: TypeAlias = NDArray[np.uint8]
 Part = Literal["image", "scan", "pose", "label"]
+#: Goes up when the same log gives other observations, so that features of before are not taken.
+READING = 2
 PARTS: tuple[Part, ...] = ("image", "scan", "pose", "label")
 
 

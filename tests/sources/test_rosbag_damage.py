@@ -262,3 +262,21 @@ def test_a_sqlite_bag_that_lacks_its_end_says_so(
     except DataError:
         return  # what was cut is needed to read anything
     assert f"is cut off: 2000 of the {whole} bytes" in caplog.text
+
+
+@pytest.mark.parametrize("field", [b"conn=\x02", b"chunk_count="])
+def test_an_index_that_leaves_something_out_loses_nothing(
+    plain: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture, field: bytes
+) -> None:
+    """A connection under another number, or fewer chunks than there are."""
+    every = held(plain)
+    content = bytearray(plain.read_bytes())
+    if field == b"chunk_count=":
+        content[content.index(field) + len(field)] -= 2
+    else:
+        content[content.rindex(b"conn=\x02\0\0\0\x0b") + 7] = 9
+    path = tmp_path / "run.bag"
+    path.write_bytes(content)
+    assert held(path) == every
+    (record,) = caplog.records
+    assert f"read {len(every)} messages over" in record.message

@@ -6,15 +6,25 @@ The index of a bag says where in a chunk each message is; it is not needed, and 
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Collection, Generator
 from itertools import count
 from typing import Any, NamedTuple
 
 from rosbags import rosbag1
 from rosbags.interfaces import Connection
-from rosbags.rosbag1.reader import ChunkInfo
+from rosbags.rosbag1.reader import ChunkInfo, ReaderError
 
-from placecue.logs.bags.bag_cut import CHUNK, Held, inside, records, unpacked
+from placecue.logs.bags.bag_cut import (
+    CHUNK,
+    CHUNK_INFO,
+    CONNECTION,
+    MAGIC_LINE,
+    Held,
+    inside,
+    records,
+    unpacked,
+)
 from placecue.logs.mcap.linear import Damage, describe
 
 
@@ -49,6 +59,35 @@ class ChunkReader(rosbag1.Reader):
         super().__init__(path)
         self.damages: list[Damage] = []
         self._numbers = count()
+
+    def open(self) -> None:
+        """Open the bag and read its index.
+
+        Raises
+        ------
+        ReaderError
+            If it cannot be read, or the index is not all that the bag has.
+        """
+        super().open()
+        try:
+            self._check_index()
+        except BaseException:
+            self.close()
+            raise
+
+    def _check_index(self) -> None:
+        known = {each.id for each in self.connections}
+        counted = {number for info in self.chunk_infos for number in info.connection_counts}
+        if not counted <= known:
+            raise ReaderError("the index counts messages of connections that it does not describe")
+        assert self.bio is not None  # it is open
+        size = self.path.stat().st_size
+        self.bio.seek(len(MAGIC_LINE))
+        fields, _, _ = next(records(self.bio, size))
+        self.bio.seek(int.from_bytes(fields[b"index_pos"], "little"))
+        kinds = Counter(fields[b"op"] for fields, _, _ in records(self.bio, size))
+        if kinds[CHUNK_INFO] != len(self.chunk_infos) or kinds[CONNECTION] != len(known):
+            raise ReaderError("the bag says to have fewer chunks or connections than its index")
 
     def messages(
         self,

@@ -28,7 +28,7 @@ from placecue.logs.mcap.linear import Damage, describe
 Fields = dict[bytes, bytes]
 
 MAGIC_LINE = b"#ROSBAG V2.0\n"
-MESSAGE, CHUNK, CONNECTION = b"\x02", b"\x05", b"\x07"
+MESSAGE, CHUNK, CHUNK_INFO, CONNECTION = b"\x02", b"\x05", b"\x06", b"\x07"
 #: What undoes each compression, piece by piece.
 DECOMPRESSORS: dict[bytes, Callable[[], Any]] = {
     b"bz2": BZ2Decompressor,

@@ -20,6 +20,8 @@ COMPRESSIONS = ("", "lz4", "zstd")
 LONGEST_NAME = 32
 #: A byte of lz4 cannot stand for more than this.
 LZ4_MOST = 256
+#: Larger contents are not kept: what they cost is not the asking for memory.
+KEPT = 2**24
 #: Bytes that are salvaged from a chunk that says to be larger than chunks may be.
 SALVAGED = 2**26
 
@@ -119,7 +121,7 @@ class ContentReader:
         if len(data) != head.length:
             raise ValueError("the file ends in the middle of a chunk")
         content = _uncompressed(data, head)
-        self._kept = (data, content)
+        self._kept = (data, content) if len(content) <= KEPT else (b"", b"")
         if len(content) != head.size:
             raise ValueError(f"a chunk of {len(content)} bytes that is said to have {head.size}")
         if head.crc and head.content not in self.sound and zlib.crc32(content) != head.crc:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from placecue.errors import UnusableObservation
-from placecue.limits import limits
+from placecue.limits import current_limits
 
 Size = tuple[int, int]
 
@@ -62,7 +62,7 @@ def check_size(data: bytes, origin: str) -> None:
 
 def check_pixels(width: int, height: int, origin: str) -> None:
     """Raise UnusableObservation where an image of some size, pixels, is larger than the limit."""
-    over = limits().over("pixels", width * height)
+    over = current_limits().over("pixels", width * height)
     if over:
         raise UnusableObservation(f"{origin} is an image of {width} x {height} pixels, {over}")
 

@@ -68,7 +68,7 @@ class Limits:
 _current = [Limits()]
 
 
-def limits() -> Limits:
+def current_limits() -> Limits:
     """Return the limits in force."""
     return _current[-1]
 
@@ -93,6 +93,6 @@ def limited(given: Mapping[str, Any] | None) -> Iterator[Limits]:
             raise UsageError(f"there is no limits.{name}; {choices(str(name), known)}")
     _current.append(Limits(**dict(given or {})))
     try:
-        yield limits()
+        yield current_limits()
     finally:
         _current.pop()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from placecue.errors import DataError
-from placecue.limits import limits
+from placecue.limits import current_limits
 
 #: A text, which may hold brackets, or a bracket.
 TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{}]', re.DOTALL)
@@ -26,7 +26,7 @@ def check_depth(text: str, what: str) -> None:
     DataError
         If it is nested too deep.
     """
-    depth, most = 0, limits().depth
+    depth, most = 0, current_limits().depth
     for token in TOKEN.finditer(text):
         bracket = token[0]
         if bracket in "[{":

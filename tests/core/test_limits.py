@@ -6,17 +6,17 @@ import pytest
 from hydra import compose, initialize_config_module
 
 from placecue.errors import DataError, UsageError
-from placecue.limits import Limits, limited, limits
+from placecue.limits import Limits, current_limits, limited
 from placecue.nesting import check_depth
 
 
 def test_a_limit_holds_as_long_as_it_is_set() -> None:
-    before = limits()
+    before = current_limits()
     with limited({"beams": 3}):
-        assert limits().over("beams", 3) is None
-        assert limits().over("beams", 4) == "more than limits.beams=3 allows"
-        assert limits().pixels == before.pixels
-    assert limits() is before
+        assert current_limits().over("beams", 3) is None
+        assert current_limits().over("beams", 4) == "more than limits.beams=3 allows"
+        assert current_limits().pixels == before.pixels
+    assert current_limits() is before
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from typing import IO, Any, Self
 
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.faults import Faults
-from placecue.limits import limits
+from placecue.limits import current_limits
 
 PACKED: dict[bytes, Any] = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open, b"\xfd7zXZ": lzma.open}
 DAMAGED = "places in the tar are cut or damaged; what lies there is left out"
@@ -63,7 +63,7 @@ class Archive(ABC):
         """
         try:
             size = self.size(name)
-            if over := limits().over("file", size):
+            if over := current_limits().over("file", size):
                 raise UnusableObservation(f"{name} in {self.path} has {size} bytes, {over}")
             with self.open(name) as file:
                 return file.read()
@@ -150,7 +150,7 @@ def check_members(path: Path, count: int) -> None:
     DataError
         If it has too many.
     """
-    over = limits().over("members", count)
+    over = current_limits().over("members", count)
     if over:
         raise DataError(f"{path} holds {count} files, {over}")
 

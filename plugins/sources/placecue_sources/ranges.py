@@ -8,7 +8,7 @@ from io import BytesIO
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.limits import limits
+from placecue.limits import current_limits
 from placecue.observation import LaserScan
 
 SEPARATORS = re.compile(r"[\s,;]+")
@@ -37,7 +37,7 @@ def ranges_of(text: str) -> NDArray[np.float64]:
             "commas are decimal ones: separate them in one way, and write decimal points"
         )
     numbers = SEPARATORS.split(inner)
-    over = limits().over("beams", len(numbers))
+    over = current_limits().over("beams", len(numbers))
     if over:
         raise ValueError(f"{len(numbers)} beams, {over}")
     return np.asarray(np.array(numbers).astype(np.float64))

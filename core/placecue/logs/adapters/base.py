@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import UnusableObservation
-from placecue.limits import limits
+from placecue.limits import current_limits
 
 #: No scanner reaches so far, m: drivers that know no limit state infinity or the largest float.
 BEYOND = 1e6
@@ -83,7 +83,7 @@ def increasing(
         Where it comes from, for messages.
     """
     count = np.shape(ranges)[0]
-    over = limits().over("beams", count)
+    over = current_limits().over("beams", count)
     if over:
         raise UnusableObservation(f"{origin} is a scan of {count} beams, {over}")
     lengths = np.asarray(ranges, dtype=np.float64)

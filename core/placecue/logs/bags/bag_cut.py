@@ -22,7 +22,7 @@ from rosbags.interfaces import (
     MessageDefinitionFormat,
 )
 
-from placecue.limits import limits
+from placecue.limits import current_limits
 from placecue.logs.mcap.linear import Damage, describe
 
 Fields = dict[bytes, bytes]
@@ -171,9 +171,9 @@ def unpacked(fields: Fields, data: bytes) -> tuple[bytes, str | None]:
         return data, None
     if name not in DECOMPRESSORS:
         raise ValueError(f"a chunk compressed with {name!r}, which is not known")
-    most = limits().chunk
+    most = current_limits().chunk
     said = _number(fields[b"size"])
-    if over := limits().over("chunk", said):
+    if over := current_limits().over("chunk", said):
         return b"", f"a chunk of {said} bytes when unpacked, {over}"
     decoder = DECOMPRESSORS[name]()
     try:

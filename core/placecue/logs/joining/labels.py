@@ -12,7 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from placecue.errors import DataError
-from placecue.limits import limits
+from placecue.limits import current_limits
 
 log = logging.getLogger(__name__)
 
@@ -115,7 +115,7 @@ class Intervals:
                 found = []
                 for row in rows:
                     found.append(_interval(row, f"{path}, line {rows.line_num}"))
-                    if over := limits().over("rows", len(found)):
+                    if over := current_limits().over("rows", len(found)):
                         raise DataError(f"{path} has {len(found)} rows, {over}")
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise DataError(f"cannot read the labels {path}: {error}") from error

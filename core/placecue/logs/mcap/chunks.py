@@ -11,7 +11,7 @@ from typing import IO, Any
 import lz4.frame
 import zstandard
 
-from placecue.limits import limits
+from placecue.limits import current_limits
 
 #: Times of the first and last message, size and checksum of the content, length of a name.
 FIELDS = struct.Struct("<QQQII")
@@ -132,7 +132,7 @@ class ContentReader:
 
 def check_size(size: int) -> None:
     """Raise TooLarge where a chunk of so many bytes, unpacked, is more than chunks may have."""
-    over = limits().over("chunk", size)
+    over = current_limits().over("chunk", size)
     if over:
         raise TooLarge(f"a chunk of {size} bytes when unpacked, {over}")
 
@@ -176,7 +176,7 @@ def salvage(file: IO[bytes], head: ChunkHead, piece: int = 2**12) -> tuple[bytes
     """
     make = STREAMS[head.compression]
     decoder, found = make(), bytearray()
-    most = SALVAGED if limits().over("chunk", head.size) else max(head.size, SALVAGED)
+    most = SALVAGED if current_limits().over("chunk", head.size) else max(head.size, SALVAGED)
     at = head.content
     file.seek(at)
     while len(found) < most and not decoder.eof and (data := file.read(piece)):

@@ -12,7 +12,7 @@ from pathlib import Path
 from mcap.records import ChunkIndex, McapRecord, Message
 
 from placecue.errors import DataError
-from placecue.limits import limits
+from placecue.limits import current_limits
 from placecue.logs.mcap import indexed, linear
 from placecue.logs.mcap.contents import Contents, read_contents
 from placecue.logs.mcap.linear import MAGIC, Damage
@@ -192,7 +192,7 @@ def check_channels(path: Path, count: int) -> None:
     DataError
         If it has too many.
     """
-    over = limits().over("channels", count)
+    over = current_limits().over("channels", count)
     if over:
         raise DataError(f"{path} has {count} channels, {over}")
 

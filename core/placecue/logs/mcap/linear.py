@@ -11,7 +11,7 @@ from typing import IO
 from mcap.opcode import Opcode
 from mcap.records import Channel, McapRecord, Message
 
-from placecue.limits import limits
+from placecue.limits import current_limits
 from placecue.logs.mcap.chunks import ChunkHead, ContentReader, read_head, salvage
 from placecue.logs.mcap.framing import FOOTER_LENGTH, HEAD, KNOWN, PRIVATE, parse, split
 
@@ -161,7 +161,7 @@ class _Walk:
         return found, end
 
     def _content(self, at: int, opcode: int, length: int) -> Iterator[McapRecord]:
-        if opcode == Opcode.ATTACHMENT and (over := limits().over("file", length)):
+        if opcode == Opcode.ATTACHMENT and (over := current_limits().over("file", length)):
             raise ValueError(f"an attachment of {length} bytes, {over}")
         if opcode == Opcode.CHUNK:
             head = read_head(self.file, at + HEAD.size)
@@ -199,7 +199,7 @@ class _Walk:
             head = read_head(self.file, at + HEAD.size)
         except (ValueError, struct.error):
             return iter(()), self._search(at + 1) if end is None else end
-        if end is not None and limits().over("chunk", head.size):
+        if end is not None and current_limits().over("chunk", head.size):
             return iter(()), end
         if not head.compression:
             return iter(()), head.content  # its records are read as if there were no chunk

@@ -39,7 +39,7 @@ def nothing_but_empty_folders(folder: Path) -> bool:
         (["train", "cue=[laser"], "train: cannot read 'cue=[laser'"),
         (["train", "log"], "train: cannot read 'log' (missing EQUAL"),
         (["train", "=3"], "train: '=3' has no key: give key=value"),
-        (["train", "log=run (1).mcap"], "put a value with special characters in quotes"),
+        (["train", "integrator=run (1)"], "put a value with special characters in quotes"),
         (["train", "log=a.mcap,b.mcap"], "Ambiguous value for argument 'log=a.mcap,b.mcap'"),
         (["train", "cue=lasr"], "unknown cue 'lasr'; did you mean 'laser'? available: "),
         (["train", "cue=[laser,smell]"], "unknown cue 'smell'; available: "),

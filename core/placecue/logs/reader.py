@@ -5,27 +5,33 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from inspect import signature
+from math import isnan
 from pathlib import Path
 from typing import Any
 
-from placecue.errors import DataError, UsageError
+from placecue.errors import (
+    DataError,
+    UnusableObservation,
+    UsageError,
+)
 from placecue.faults import Faults
 from placecue.logs.joining import clocks, depth, topics
 from placecue.logs.joining.frames import readers_of
 from placecue.logs.joining.items import APART, TopicReader
-from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.labels import Intervals, Seen
 from placecue.logs.joining.log_frames import LogFrames
 from placecue.logs.joining.pose_choice import choose_pose
 from placecue.logs.joining.poses import Motion, PoseReader
 from placecue.logs.joining.reading import Reading
+from placecue.logs.joining.scan_limit import OneLimit
 from placecue.logs.joining.silence import Silence, silence_of
 from placecue.logs.joining.topics import Choice
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.options import LogOptions
-from placecue.observation import PARTS, Observation, Part
+from placecue.observation import PARTS, LaserScan, Observation, Part
 
 log = logging.getLogger(__name__)
 
@@ -148,6 +154,34 @@ class McapLog(LogOptions):
             start,
         )
 
+    @cached_property
+    def _scan_limit(self) -> float | None:
+        """The limit of the first scan that makes sense, m; None where there is none."""
+        scans = self.choices["scan"].topic
+        assert scans is not None  # asked only where scans are read
+        reader = TopicReader(self.file, scans)
+        for message in self.file.messages(scans.channels):
+            try:
+                item = reader.item(message)
+                first: LaserScan | None = None if item is None else item.value()
+            except UnusableObservation:
+                continue  # counted when the scans are read
+            if first is not None:
+                return self.range_max if isnan(first.range_max) else first.range_max
+        return None
+
+    @cached_property
+    def _limits_told(self) -> set[str]:
+        return set()
+
+    def _under_one_limit(
+        self, scans: Topic, place: Callable[[LaserScan, int], LaserScan]
+    ) -> Callable[[LaserScan, int], LaserScan]:
+        if self._scan_limit is None:
+            return place
+        where = f"{self.path}, {scans.name}"
+        return OneLimit(self._scan_limit, place, where, self._limits_told)
+
     # The observations.
 
     def __iter__(self) -> Iterator[Observation]:
@@ -161,7 +195,15 @@ class McapLog(LogOptions):
         reading = self._reading()
         if not self._faults_told:
             self._tell_taken()
-        yield from reading.observations()
+        seen = Seen()
+        for observation in reading.observations():
+            seen.add(observation.stamp)
+            if self.intervals is not None and len(seen) == 1:
+                length = self.file.contents.end - self.file.contents.start
+                self.intervals.check_clock(observation.stamp, length, str(self.path))
+            yield observation
+        if self.intervals is not None and not self._faults_told:
+            self.intervals.tell_apart(seen, str(self.path))
         if not self._faults_told:
             reading.faults.report()
             self._faults_told = True
@@ -281,7 +323,8 @@ class McapLog(LogOptions):
             place = self.frames.mountings(motion, faults).place
             if chosen[0].depth:
                 return [depth.DepthReader(self.file, chosen[0], self.file.topics(), place)]
-            return [TopicReader(self.file, topic, place) for topic in chosen]
+            placed = self._under_one_limit(chosen[0], place)
+            return [TopicReader(self.file, topic, placed) for topic in chosen]
         return [TopicReader(self.file, topic) for topic in chosen]
 
     def _span(self) -> tuple[int | None, int | None]:

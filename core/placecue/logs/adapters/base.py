@@ -9,7 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import UnusableObservation
+from placecue.limits import current_limits
 from placecue.logs.messages.geometry import Transform
+
+#: No scanner reaches so far, m: drivers that know no limit state infinity or the largest float.
+BEYOND = 1e6
 
 Role = Literal["image", "scan", "pose", "label", "transform"]
 
@@ -83,6 +87,10 @@ def increasing(
     origin : str
         Where it comes from, for messages.
     """
+    count = np.shape(ranges)[0]
+    over = current_limits().over("beams", count)
+    if over:
+        raise UnusableObservation(f"{origin} is a scan of {count} beams, {over}")
     lengths = np.asarray(ranges, dtype=np.float64)
     if len(lengths) > 1 and not (np.isfinite(first) and np.isfinite(step) and step != 0.0):
         raise UnusableObservation(
@@ -90,3 +98,8 @@ def increasing(
         )
     angles = first + step * np.arange(len(lengths), dtype=np.float64)
     return (angles, lengths) if step >= 0 else (angles[::-1].copy(), lengths[::-1].copy())
+
+
+def stated(range_max: float) -> float:
+    """Return the limit that a scan states, m; NaN where it states none that a scanner can have."""
+    return range_max if 0.0 < range_max < BEYOND else float("nan")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from placecue.logs.adapters.base import Adapter, Role, increasing
+import numpy as np
+
+from placecue.logs.adapters.base import Adapter, Role, increasing, stated
 from placecue.logs.messages.geometry import Transform, yaw
-from placecue.logs.messages.images import RawImage
+from placecue.logs.messages.images import RawImage, ReorderedImage, compressed
 from placecue.observation import EncodedImage, LaserScan, Pose2D
 
 #: ROS 2 and ROS 1.
@@ -44,10 +46,9 @@ class RosCompressedImage(RosAdapter):
     schemas: ClassVar[tuple[str, ...]] = ("sensor_msgs/CompressedImage",)
     role: ClassVar[Role] = "image"
 
-    def value(self, message: Any, origin: str) -> EncodedImage:
+    def value(self, message: Any, origin: str) -> EncodedImage | ReorderedImage:
         """Return the image, undecoded."""
-        kind = "png" if "png" in message.format.lower() else "jpeg"
-        return EncodedImage(bytes(message.data), kind, origin)
+        return compressed(bytes(message.data), message.format, origin)
 
     def pixels(self, message: Any) -> str:
         """Return the format, such as ``rgb8; jpeg compressed bgr8``."""
@@ -91,8 +92,8 @@ class RosLaserScan(RosAdapter):
         return LaserScan(
             angles,
             ranges,
-            message.range_min,
-            message.range_max,
+            message.range_min if np.isfinite(message.range_min) else 0.0,
+            stated(message.range_max),
             Pose2D(0.0, 0.0, 0.0, self.frame(message)),
         )
 

@@ -111,5 +111,7 @@ class Assembler:
         try:
             return item.value()
         except UnusableObservation as error:
-            self.faults.add("messages could not be used", str(error))
+            # The same label or pose may be asked for at many observations.
+            self.faults.add("messages could not be used", str(error), int(not item.spoilt))
+            item.spoilt = True
             return None

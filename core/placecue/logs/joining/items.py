@@ -10,9 +10,11 @@ from mcap.records import Message
 from placecue import contracts
 from placecue.errors import ContractError, DataError, UnusableObservation
 from placecue.guard import call
+from placecue.logs import adapters
 from placecue.logs.adapters import contract
 from placecue.logs.adapters.base import Role
 from placecue.logs.adapters.lookup import adapter_for
+from placecue.logs.adapters.texts import check_writable
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
 
@@ -30,14 +32,19 @@ class Item:
     role : {"image", "scan", "pose", "label", "transform"}
         What :meth:`value` gives.
     read : callable
-        Gives the value; called once at most.
+        Gives the value; called once at most, unless it fails.
     log_time : int, optional
         When it was recorded, ns; its time of measurement by default.
     stamped : bool
         Whether the message itself said its time of measurement.
+
+    Attributes
+    ----------
+    spoilt : bool
+        Whether it was counted that there is no value.
     """
 
-    __slots__ = ("_read", "_value", "log_time", "role", "stamp", "stamped")
+    __slots__ = ("_read", "_value", "log_time", "role", "spoilt", "stamp", "stamped")
 
     def __init__(
         self,
@@ -53,6 +60,7 @@ class Item:
         self.role = role
         self._read: Callable[[], Any] | None = read
         self._value: Any = None
+        self.spoilt = False
 
     @property
     def known(self) -> bool:
@@ -172,9 +180,9 @@ class TopicReader:
             if not contracts.fits(stamp):
                 raise OverflowError(f"a stamp of {stamp} ns")
             return stamp, decoded
-        except ContractError:
-            raise
         except Exception as error:  # decoders raise anything over damaged bytes
+            if self._breaks_promise(error):
+                raise
             raise self._unusable(message.log_time, error) from error
 
     def timed(self, stamp: int, log_time: int) -> int:
@@ -206,11 +214,19 @@ class TopicReader:
                 decoded = self._decode[message.channel_id](message.data)
             origin = f"{self.topic.name} at stamp {stamp}"
             value = call(self.adapter, "value", decoded, origin, check=self._check)
-        except (UnusableObservation, ContractError):
+            check_writable(value)
+            return value if self.finish is None else self.finish(value, stamp)
+        except UnusableObservation:
             raise
         except Exception as error:  # decoders raise anything over damaged bytes
+            if self._breaks_promise(error):
+                raise
             raise self._unusable(stamp, error) from error
-        return value if self.finish is None else self.finish(value, stamp)
+
+    def _breaks_promise(self, error: Exception) -> bool:
+        """Tell whether an adapter is to blame; of our own we know that it is the message."""
+        ours = type(self.adapter).__module__.startswith(f"{adapters.__name__}.")
+        return isinstance(error, ContractError) and not ours
 
     def _unusable(self, stamp: int, error: Exception) -> UnusableObservation:
         reason = " ".join(str(error).split()) or type(error).__name__

@@ -103,7 +103,8 @@ def _sweep_folder(words: list[str]) -> Iterator[list[str]]:
     elsewhere = any(word.startswith("hydra/launcher=submitit") for word in words)
     place = Path.cwd() if elsewhere else None
     with TemporaryDirectory(prefix=".placecue_sweep_", dir=place, ignore_cleanup_errors=True) as at:
-        yield [f"hydra.sweep.dir='{at}'"]
+        # Naming the time here sets it for all jobs: their out= is of the same second.
+        yield [f"hydra.sweep.dir={at}/${{now:%Y-%m-%d_%H-%M-%S}}"]
 
 
 def _enter(task: Task) -> int:

@@ -34,6 +34,7 @@ from placecue import (
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.errors import DataError, UsageError
+from placecue.evaluation.executors.backends import executor_of
 from placecue.evaluation.protocol.methods import Joined, Methods
 from placecue.evaluation.protocol.plan import Protocol
 from placecue.evaluation.results.store import ResultStore
@@ -194,6 +195,14 @@ def test_a_changed_parameter_is_computed_anew_and_nothing_else(four, paths):
     run(evaluation(each.bench.folder, paths, Methods({"laser": LASER, "darker": other}, {})),
         executor)  # fmt: skip
     assert executor.tasks.count("train_and_score") == 4
+
+
+def test_dask_and_loky_give_the_same_to_the_bit(four, paths, tmp_path):
+    pytest.importorskip("distributed", reason="placecue[dask] is not installed")
+    for chosen in ({"name": "dask", "workers": 2}, {"name": "loky", "jobs": 2}):
+        out = tmp_path / chosen["name"]
+        with executor_of({"executor": chosen}) as executor:
+            same(four[1], run(evaluation(out, paths), executor))
 
 
 def test_killed_at_random_moments_it_ends_with_the_same_numbers(four, paths, tmp_path):

@@ -43,6 +43,7 @@ from placecue.evaluation.results.about import About, Method
 from placecue.evaluation.results.result import Result
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.store import ResultStore
+from placecue.evaluation.writing import check_figures
 from placecue.observation import PARTS, Part
 
 WRITES = files.EVALUATED
@@ -93,7 +94,6 @@ def evaluate(
         Those that came to nothing.
     """
     began = datetime.now().astimezone().isoformat(timespec="seconds")
-    title = config["title"] or f"{len(methods.names)} methods"
     run = Evaluation(
         bench,
         config["pairs"],
@@ -108,16 +108,34 @@ def evaluate(
         results[result.method, result.pair] = result
         plugins.tell("pair_evaluated", result=result)
 
-    About(title, {}, _told(methods), {}, began=began).save(bench.folder)
+    About(_title(config, methods), {}, _told(methods), {}, began=began).save(bench.folder)
     warnings = _Warnings()
     board = Board()
     with warnings.kept(), shown_board(board), executor_of(config) as executor:
-        run.run(executor, board, tell)
+        run.prepare(executor)
+        about = _about(config, run, plugins, began)
+        check_figures(about)
+        run.compute(executor, board, tell)
     ordered = [results[key] for key in run.digests if key in results]
     check_some(ordered, run.wrong)
-    about = About(
-        title=title,
+    about = replace(
+        about,
         recordings=run.recordings,
+        seconds=run.seconds,
+        warnings=warnings.lines,
+        failures=[
+            {"method": each.method, "pair": list(each.pair), "error": each.error}
+            for each in run.wrong
+        ],
+    )
+    return about, ordered, run.wrong
+
+
+def _about(config: Mapping[str, Any], run: Evaluation, plugins: Plugins, began: str) -> About:
+    """Return what is known of an evaluation before anything is computed."""
+    return About(
+        title=_title(config, run.methods),
+        recordings={},
         methods=_told(run.methods),
         experiments=_counts(run),
         digests=list(run.digests.values()),
@@ -128,14 +146,11 @@ def evaluate(
         versions=versions(plugins),
         command=" ".join(["placecue evaluate", *HydraConfig.get().overrides.task]),
         began=began,
-        seconds=run.seconds,
-        warnings=warnings.lines,
-        failures=[
-            {"method": each.method, "pair": list(each.pair), "error": each.error}
-            for each in run.wrong
-        ],
     )
-    return about, ordered, run.wrong
+
+
+def _title(config: Mapping[str, Any], methods: Methods) -> str:
+    return str(config["title"] or f"{len(methods.names)} methods")
 
 
 def bench_of(config: Mapping[str, Any], out: Path, methods: Methods, plugins: Plugins) -> Bench:

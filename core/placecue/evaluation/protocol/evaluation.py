@@ -96,14 +96,13 @@ class Evaluation:
     wrong: list[Result] = field(default_factory=list)
 
     def run(self, executor: Runs, board: Board, tell: Callable[[Result], None]) -> Plan:
-        """Compute what is not there yet.
+        """Plan, and compute what is not there yet; see :meth:`prepare` and :meth:`compute`."""
+        self.prepare(executor)
+        self.compute(executor, board, tell)
+        return self.plan
 
-        Parameters
-        ----------
-        executor : Executor
-        board : Board
-        tell : callable
-            Is told of each result as it is kept.
+    def prepare(self, executor: Runs) -> Plan:
+        """Make the recordings that are not there yet, and find out what there is to compute.
 
         Raises
         ------
@@ -113,7 +112,7 @@ class Evaluation:
         self.store = ResultStore(self.bench.folder)
         self.scores = ScoresStore(self.bench.folder, self.registry)
         self._record(executor)
-        contents = self._contents()
+        self.contents = contents = self._contents()
         splits = splits_of(self.pairs, self.bench.recordings, self.bench.scheme.n_folds)
         self.plan = Plan(
             self.bench,
@@ -129,13 +128,24 @@ class Evaluation:
             for method in self.methods.names
             for split in splits
         }
+        return self.plan
+
+    def compute(self, executor: Runs, board: Board, tell: Callable[[Result], None]) -> None:
+        """Compute what is not there yet.
+
+        Parameters
+        ----------
+        executor : Executor
+        board : Board
+        tell : callable
+            Is told of each result as it is kept.
+        """
         self._announce(board)
-        self._extract(executor, contents)
-        self._tell_classes(splits)
+        self._extract(executor, self.contents)
+        self._tell_classes(self.plan.splits)
         told = _Told(self, board, tell)
         self._single_cues(executor, told)
         self._joined(executor, told)
-        return self.plan
 
     # ------------------------------------------------------------------ before pairs
 

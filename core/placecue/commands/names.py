@@ -18,3 +18,18 @@ COMMANDS = {
 
 #: Set to 1 in the environment for full tracebacks; ``hydra.verbose=true`` does it for one run.
 TRACEBACK = "PLACECUE_TRACEBACK"
+
+LOG, OUT, MODEL = "log", "out", "model"
+#: What paths that stand by themselves are: the first key takes all of them, but ``out`` is the last
+#: of two or more, and ``model`` one that is a model's folder.
+PATHS: dict[str, tuple[str, ...]] = {
+    "demo": (OUT,),
+    "train": (LOG,),
+    "classify": (LOG, MODEL),
+    "label": (LOG, MODEL),
+    "evaluate": (LOG,),
+    "report": (OUT,),
+    "convert": (LOG, OUT),
+    "annotate": (LOG, OUT),
+    "info": (LOG,),
+}

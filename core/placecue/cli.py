@@ -57,7 +57,7 @@ def run(words: list[str]) -> int:
     if not words or words[0] in ("-h", "--help", "help"):
         print(help_text())
         return 0
-    if words[0] == "--version":
+    if "--version" in words:
         from placecue import __version__
 
         print(f"placecue {__version__}")
@@ -70,9 +70,7 @@ def run(words: list[str]) -> int:
         command, overrides = words[0], words[1:]
         if command not in COMMANDS:
             raise UsageError(f"unknown command '{command}'; {choices(command, COMMANDS)}")
-        from placecue.hydra_run import run_command
-
-        return run_command(command, overrides)
+        return _command(command, overrides)
     except PlacecueError as error:
         return _failed(words, str(error), error.exit_status)
     except BrokenPipeError:
@@ -87,6 +85,21 @@ def run(words: list[str]) -> int:
             "command shows where, for a report",
             1,
         )
+
+
+def _command(command: str, words: list[str]) -> int:
+    """Show the help of a command, or run it; what it is about to read is told at once."""
+    if {"-h", "--help"}.intersection(words):
+        from placecue.commands.help.page import page
+
+        print(page(command, words), end="")
+        return 0
+    from placecue.commands.words import prepared
+
+    words = prepared(command, words)
+    from placecue.hydra_run import run_command
+
+    return run_command(command, words)
 
 
 def _failed(words: Sequence[str], message: str, status: int) -> int:

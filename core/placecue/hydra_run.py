@@ -30,7 +30,6 @@ from omegaconf.errors import (
 )
 
 from placecue.commands.names import TRACEBACK
-from placecue.commands.words import in_keys, with_source
 from placecue.components.build import plain
 from placecue.components.hooks import Kind
 from placecue.components.manager import current_plugins
@@ -61,8 +60,6 @@ def run_command(command: str, overrides: list[str]) -> int:
     """
     _log_to_stderr(["placecue"])
     logging.getLogger("placecue").setLevel(logging.INFO)
-    if "-sc" not in overrides:
-        overrides = with_source(in_keys(command, overrides), current_plugins().registry)
     overrides = _overrides_first(overrides)
     _check_words(command, overrides)
     register_with_hydra()

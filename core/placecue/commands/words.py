@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,12 +18,43 @@ if TYPE_CHECKING:
 #: Options of Hydra that take the next word.
 TAKES_ONE = ("--cfg", "-c", "--info", "-i", "--package", "-p", "--config-name", "-cn",
              "--config-path", "-cp", "--config-dir", "-cd", "--experimental-rerun")  # fmt: skip
+#: With these nothing is read.
+SILENT = frozenset(("--cfg", "-c", "--info", "-i", "--hydra-help", "-sc"))
+#: How many logs are named.
+TOLD = 5
 KEY = re.compile(r"[+~]{0,2}[\w@./:-]*=|~")
 #: Paths that Hydra reads as they stand; all others are put in quotes.
 PLAIN = re.compile(r"[A-Za-z/][\w./-]*[/.][\w./-]*")
 #: Words that choose a source, or bring one.
 CHOOSES = re.compile(r"\+{0,2}(source[=@]|source\.(path|plugin)=|(recipe|world|experiment)=)")
 LISTED = re.compile(r"""'(?:\\.|[^'])*'|"(?:\\.|[^"])*"|[^,\[\]]+""")
+
+
+def prepared(command: str, words: Sequence[str]) -> list[str]:
+    """Return words with keys for paths and a source for logs, and tell what will be read.
+
+    Raises
+    ------
+    UsageError
+        See :func:`in_keys` and :func:`with_source`.
+    """
+    from placecue.components.manager import current_plugins
+
+    found = with_source(in_keys(command, words), current_plugins().registry)
+    logs = logs_in(found)
+    if logs and command in PATHS and not SILENT.intersection(words):
+        source = next((w.partition("=")[2] for w in found if w.startswith("source=")), "")
+        told = ", ".join(map(_described, logs[:TOLD])) + (", ..." if len(logs) > TOLD else "")
+        print(f"progress: {command} {told}{f' ({source})' if source else ''}", file=sys.stderr)
+    return found
+
+
+def _described(log: Path) -> str:
+    try:
+        size = log.stat().st_size
+    except (OSError, ValueError):
+        return str(log)
+    return f"{log}, {size / 1e6:.1f} MB" if log.is_file() else str(log)
 
 
 def in_keys(command: str, words: Sequence[str]) -> list[str]:

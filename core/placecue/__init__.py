@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
+    from placecue.recognition import Found
     from placecue.scaling import (
         FamilyScaling,
         QuantileScaling,
@@ -129,6 +130,7 @@ __all__ = [
     "FeatureParts",
     "Features",
     "FoldScheme",
+    "Found",
     "Gram",
     "Grams",
     "HeldOut",
@@ -262,6 +264,7 @@ _MODULES = {
     "pipeline": ("Pipeline",),
     "progress": ("track",),
     "ownership": ("provenance",),
+    "recognition": ("Found",),
     "scaling": (
         "FamilyScaling",
         "QuantileScaling",

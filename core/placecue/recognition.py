@@ -10,13 +10,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import ClassVar
 
 #: How many bytes of a file are looked at, unpacked.
 HEAD = 65536
 #: How many names of a folder or an archive are looked at.
 NAMES = 500
-#: How sure a format is: by what it holds, or by its name and shape alone.
-BY_CONTENT, BY_SHAPE, NOT_AT_ALL = 2, 1, 0
 GZIP = b"\x1f\x8b"
 
 
@@ -32,7 +31,16 @@ class Found:
         How a file begins, at most 64 kB, unpacked where it is gzip; empty for a folder.
     names : tuple of str
         Files in a folder or a tar, relative to it, with ``/``; the first few hundred.
+
+    Attributes
+    ----------
+    BY_CONTENT, BY_SHAPE, NOT_AT_ALL : int
+        How sure a source is that it reads this: by what it holds, by its name and shape, or not.
     """
+
+    BY_CONTENT: ClassVar[int] = 2
+    BY_SHAPE: ClassVar[int] = 1
+    NOT_AT_ALL: ClassVar[int] = 0
 
     path: Path
     head: bytes = b""

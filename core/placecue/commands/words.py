@@ -72,6 +72,7 @@ def in_keys(command: str, words: Sequence[str]) -> list[str]:
     UsageError
         If there are more than it takes, or one is given twice.
     """
+    words = ["json=true" if word == "--json" else word for word in words]
     alone = _alone(words)
     if not alone:
         return list(words)

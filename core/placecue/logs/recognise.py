@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from placecue.recognition import BY_CONTENT, BY_SHAPE, NOT_AT_ALL, Found
+from placecue.recognition import Found
 
 MAGIC = b"\x89MCAP0\r\n"
 BAGS = (b"#ROSBAG", b"SQLite format 3")
@@ -11,12 +11,12 @@ BAGS = (b"#ROSBAG", b"SQLite format 3")
 def mcap(found: Found) -> int:
     """Tell whether this is an MCAP file."""
     if found.head.startswith(MAGIC):
-        return BY_CONTENT
-    return BY_SHAPE if found.suffix == ".mcap" else NOT_AT_ALL
+        return Found.BY_CONTENT
+    return Found.BY_SHAPE if found.suffix == ".mcap" else Found.NOT_AT_ALL
 
 
 def rosbag(found: Found) -> int:
     """Tell whether this is a ROS bag: a .bag file, or a sqlite3 file or the folder of one."""
     if found.head.startswith(BAGS) or any(name.endswith(".db3") for name in found.names):
-        return BY_CONTENT
-    return BY_SHAPE if found.suffix in (".bag", ".db3") else NOT_AT_ALL
+        return Found.BY_CONTENT
+    return Found.BY_SHAPE if found.suffix in (".bag", ".db3") else Found.NOT_AT_ALL

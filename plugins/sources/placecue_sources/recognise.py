@@ -6,7 +6,7 @@ import posixpath
 import re
 from collections.abc import Sequence
 
-from placecue.recognition import BY_CONTENT, BY_SHAPE, NOT_AT_ALL, Found
+from placecue import Found
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".tif", ".tiff", ".webp")
 #: A time and a pose in the name of an image; IDOL2 puts the room between them.
@@ -20,38 +20,38 @@ COLUMNS = {"stamp", "time", "timestamp", "image", "scan", "ranges", "label", "fi
 
 def carmen(found: Found) -> int:
     """Tell whether this is a CARMEN log."""
-    return BY_CONTENT if not found.names and CARMEN.search(found.head) else NOT_AT_ALL
+    return Found.BY_CONTENT if not found.names and CARMEN.search(found.head) else Found.NOT_AT_ALL
 
 
 def idol2(found: Found) -> int:
     """Tell whether this is a sequence of IDOL2: images whose names hold time, room and pose."""
     timed = (TIMED.fullmatch(posixpath.basename(name)) for name in found.names)
-    return BY_CONTENT if any(match and match["room"] for match in timed) else NOT_AT_ALL
+    return Found.BY_CONTENT if any(match and match["room"] for match in timed) else Found.NOT_AT_ALL
 
 
 def cold(found: Found) -> int:
     """Tell whether this is a sequence of COLD: images with time and pose beside places.lst."""
     base = [posixpath.basename(name) for name in found.names]
     timed = any(match and not match["room"] for match in map(TIMED.fullmatch, base))
-    return BY_CONTENT if timed or "places.lst" in base else NOT_AT_ALL
+    return Found.BY_CONTENT if timed or "places.lst" in base else Found.NOT_AT_ALL
 
 
 def cold_meta(found: Found) -> int:
     """Tell whether this is a sequence of COLD-Meta: scans.dat beside labels.dat."""
     base = {posixpath.basename(name) for name in found.names}
-    return BY_CONTENT if {"scans.dat", "labels.dat"} <= base else NOT_AT_ALL
+    return Found.BY_CONTENT if {"scans.dat", "labels.dat"} <= base else Found.NOT_AT_ALL
 
 
 def rgbd(found: Found) -> int:
     """Tell whether this is a folder of colour and of depth images."""
     folders = {posixpath.dirname(name) for name in _images(found.names)}
     both = {"rgb", "depth"} <= folders
-    return BY_CONTENT if both and found.path.is_dir() else NOT_AT_ALL
+    return Found.BY_CONTENT if both and found.path.is_dir() else Found.NOT_AT_ALL
 
 
 def image_folder(found: Found) -> int:
     """Tell whether this is a folder, or a tar, with images in folders."""
-    return BY_SHAPE if any("/" in name for name in _images(found.names)) else NOT_AT_ALL
+    return Found.BY_SHAPE if any("/" in name for name in _images(found.names)) else Found.NOT_AT_ALL
 
 
 def floorplan(found: Found) -> int:
@@ -59,16 +59,20 @@ def floorplan(found: Found) -> int:
     plan = found.head.startswith(b"\x89PNG") or (
         found.suffix == ".geojson" and found.head.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"{")
     )
-    return BY_SHAPE if plan else NOT_AT_ALL
+    return Found.BY_SHAPE if plan else Found.NOT_AT_ALL
 
 
 def table(found: Found) -> int:
     """Tell whether this is a table of observations: text in columns, whose names may tell."""
     if found.names or b"\0" in found.head or found.suffix not in (".csv", ".tsv", ".txt"):
-        return NOT_AT_ALL
+        return Found.NOT_AT_ALL
     first = found.head.split(b"\n", 1)[0].decode("utf-8-sig", "replace")
     cells = [cell.strip().strip('"').lower() for cell in re.split(r"[,;\t]", first)]
-    return (BY_CONTENT if COLUMNS & set(cells) else BY_SHAPE) if len(cells) > 1 else NOT_AT_ALL
+    return (
+        (Found.BY_CONTENT if COLUMNS & set(cells) else Found.BY_SHAPE)
+        if len(cells) > 1
+        else Found.NOT_AT_ALL
+    )
 
 
 def _images(names: Sequence[str]) -> list[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from placecue.commands.names import MODEL, OUT, PATHS
-from placecue.errors import UsageError
+from placecue.errors import DataError, UsageError
 
 if TYPE_CHECKING:
     from placecue.components.registry import Registry
@@ -120,9 +120,11 @@ def _given(command: str, paths: list[str], keys: set[str]) -> dict[str, list[str
 
 def _split(command: str, path: str) -> list[str]:
     """Return the MCAP files of a recording that ROS 2 has split; else the path itself."""
-    if not Path(path).exists() and not re.search(r"[./]", path):
+    folder = Path(path).expanduser()
+    if not folder.exists() and not re.search(r"[./]", path):
         raise UsageError(f"{command}: '{path}' is neither key=value nor a file that is there")
-    folder = Path(path)
+    if not folder.exists():
+        raise DataError(f"no such log: {path}")
     if not (folder / "metadata.yaml").is_file():
         return [path]
     return [str(file) for file in sorted(folder.glob("*.mcap"), key=_natural)] or [path]

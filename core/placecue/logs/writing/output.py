@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -19,6 +19,28 @@ COMPRESSIONS = {
     "lz4": CompressionType.LZ4,
     "none": CompressionType.NONE,
 }
+
+
+#: How ROS 2 plays a topic: the last ten, reliably; static transforms also to who comes late.
+_QOS = (
+    "- history: 1\n  depth: 10\n  reliability: 1\n  durability: {durability}\n"
+    "  deadline: {{sec: 9223372036, nsec: 854775807}}\n"
+    "  lifespan: {{sec: 9223372036, nsec: 854775807}}\n  liveliness: 1\n"
+    "  liveliness_lease_duration: {{sec: 9223372036, nsec: 854775807}}\n"
+    "  avoid_ros_namespace_conventions: false"
+)
+QOS = "offered_qos_profiles"
+
+
+def qos_of(topic: str) -> dict[str, str]:
+    """Return the metadata of a channel that ROS 2 asks for."""
+    return {QOS: _QOS.format(durability=1 if topic.endswith("tf_static") else 2)}
+
+
+def profile_of(channels: Iterable[Channel]) -> str:
+    """Return the profile of a file with such channels: ros2 only where each is as ROS 2 has it."""
+    honest = [each.message_encoding == "cdr" and QOS in each.metadata for each in channels]
+    return "ros2" if honest and all(honest) else ""
 
 
 class Output:
@@ -127,8 +149,9 @@ class Output:
                 self._schemas[type.name] = self._writer.register_schema(
                     type.name, type.schema_encoding, type.schema
                 )
+            metadata = qos_of(topic) if type.encoding == "cdr" else {}
             self._channels[key] = self._writer.register_channel(
-                topic, type.encoding, self._schemas[type.name]
+                topic, type.encoding, self._schemas[type.name], metadata
             )
         return self._channels[key]
 

@@ -7,7 +7,7 @@ import logging
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr
 from importlib import import_module
 from pathlib import Path
@@ -36,6 +36,9 @@ from placecue.components.manager import current_plugins
 from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.components.searches import check_opened, opened
 from placecue.errors import PlacecueError, UsageError, choices, told
+
+#: How folders that sweeps have for themselves begin.
+SWEEPS = ".placecue_sweep_"
 
 
 def run_command(command: str, overrides: list[str]) -> int:
@@ -70,7 +73,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     try:
         with _sweep_folder(overrides) as given:
             sys.argv[1:1] = given  # before options, as Hydra wants overrides
-            return _enter(Task(command, overrides))
+            return _enter(Task(command, overrides), given)
     except (PlacecueError, BrokenPipeError):
         raise
     except Exception as error:
@@ -98,11 +101,12 @@ def _sweep_folder(words: list[str]) -> Iterator[list[str]]:
         return
     elsewhere = any(word.startswith("hydra/launcher=submitit") for word in words)
     place = Path.cwd() if elsewhere else None
-    with TemporaryDirectory(prefix=".placecue_sweep_", dir=place, ignore_cleanup_errors=True) as at:
-        yield [f"hydra.sweep.dir='{at}'"]
+    with TemporaryDirectory(prefix=SWEEPS, dir=place, ignore_cleanup_errors=True) as at:
+        # The time is looked up once and handed to all jobs, whose out= may be made of it.
+        yield [f"hydra.sweep.dir='{at}/${{now:%Y-%m-%d_%H-%M-%S}}'"]
 
 
-def _enter(task: Task) -> int:
+def _enter(task: Task, given: list[str]) -> int:
     entry = hydra.main(version_base="1.3", config_path=BUILT_IN_CONFIGS, config_name=task.command)
     try:
         entry(task)()
@@ -110,6 +114,10 @@ def _enter(task: Task) -> int:
         if task.error is None:
             return done.code if isinstance(done.code, int) else 0  # --help and the like
         raise task.error from task.error.__cause__
+    for word in given:  # the folder of a sweep, while it is there
+        from placecue.commands.sweeps import show
+
+        show(Path(word.partition("=")[2].strip("'")).parent)
     task.report()
     return 0
 
@@ -178,7 +186,7 @@ class Task:
             settings["out"] = self._out_of_job(config, settings, job, module.WRITES is not None)
         with guarded(settings, module.WRITES, resumes=getattr(module, "RESUMES", None)):
             try:
-                self._told_of(settings, module.run)
+                scores = self._told_of(settings, module.run)
             except SystemExit as error:
                 if isinstance(error.__context__, BrokenPipeError):  # how rich says it
                     raise error.__context__ from None
@@ -187,7 +195,23 @@ class Task:
                     f"middle of it; {TRACEBACK}=1 before the command shows where"
                 ) from error
 
-    def _told_of(self, settings: dict[str, Any], run: Callable[[dict[str, Any]], None]) -> None:
+        if job is not None and scores:
+            self._keep(job, scores)
+
+    def _keep(self, job: int, scores: Mapping[str, float]) -> None:
+        """Leave the scores of a job in the sweep's folder, if it has one of ours."""
+        from placecue.commands.numbered import swept_keys
+        from placecue.commands.sweeps import keep
+
+        running = HydraConfig.get()
+        if Path(running.sweep.dir).parent.name.startswith(SWEEPS):
+            typed = get_args_parser().parse_args(self.words).overrides
+            swept = swept_keys(typed, running.sweeper.get("params") or {})
+            keep(Path(running.sweep.dir), job, list(running.overrides.task), swept, scores)
+
+    def _told_of(
+        self, settings: dict[str, Any], run: Callable[[dict[str, Any]], Mapping[str, float] | None]
+    ) -> Mapping[str, float] | None:
         """Run the command, and tell plugins of its beginning, and of a bad end."""
         from placecue.commands.paths import path_of
 
@@ -195,7 +219,7 @@ class Task:
         out = None if settings.get("out") is None else path_of(settings, "out")
         plugins.tell("run_started", command=self.command, config=settings, out=out)
         try:
-            run(settings)
+            return run(settings)
         except BaseException as error:
             plugins.tell("run_failed", command=self.command, reason=told(error))
             raise

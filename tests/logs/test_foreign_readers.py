@@ -16,6 +16,7 @@ from rosbags.highlevel import AnyReader
 from mcap_logs import Ros2Log, walk
 from placecue.belief import Belief
 from placecue.logs import open_log
+from placecue.logs.mcap.container import LogFile
 from placecue.logs.writing.annotate import annotate
 from placecue.logs.writing.annotated import AnnotatedLog
 from placecue.logs.writing.output import Output
@@ -143,7 +144,7 @@ def test_the_javascript_reader(made, tmp_path: Path) -> None:
 
 
 def _uncompressed(path: Path, out: Path) -> None:
-    file = open_log(path).file
+    file = LogFile(path)
     with Output(out, "ros2", compression="none") as output:
         for message in file.messages(file.contents.channels):
             output.copy(message, file.contents.channels, file.contents.schemas)

@@ -24,8 +24,14 @@ from placecue.storage.model import load_model
 WRITES = files.CLASSIFIED
 
 
-def run(config: dict[str, Any]) -> None:
-    """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
+def run(config: dict[str, Any]) -> dict[str, float]:
+    """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled.
+
+    Returns
+    -------
+    dict of str to float
+        The balanced accuracy, where it is labelled.
+    """
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     set_tolerance(pipeline, config)
@@ -61,3 +67,4 @@ def run(config: dict[str, Any]) -> None:
     else:
         tables.written(results)
     plugins.tell("run_finished", command="classify", out=out)
+    return show.accuracy(tally)

@@ -30,8 +30,14 @@ from placecue.storage.model import load_model
 WRITES = files.LABELLED
 
 
-def run(config: dict[str, Any]) -> None:
-    """Label the areas of a log and write the map, a picture of it and the annotated log."""
+def run(config: dict[str, Any]) -> dict[str, float]:
+    """Label the areas of a log and write the map, a picture of it and the annotated log.
+
+    Returns
+    -------
+    dict of str to float
+        The balanced accuracy, where the log is labelled.
+    """
     out, tally = path_of(config, "out"), Tally()
     as_json.wanted(config)  # wrong words are told before the run, not after it
     semantic_map = label(config, out, tally)
@@ -43,6 +49,7 @@ def run(config: dict[str, Any]) -> None:
     else:
         _print(semantic_map, tally, files_written)
     current_plugins().tell("run_finished", command="label", out=out)
+    return show.accuracy(tally)
 
 
 def _print(semantic_map: SemanticMap, tally: Tally, files_written: list[tuple[str, Path]]) -> None:

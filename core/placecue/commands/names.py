@@ -12,6 +12,7 @@ COMMANDS = {
     "convert": "any source -> MCAP",
     "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",
+    "doctor": "what is installed, what is wrong and how to mend it; also of a log and a model",
     "cache": "the features that are kept between runs; shows and trims them",
     "plugins": "the components that are installed, and plugins that do not load",
 }
@@ -32,4 +33,5 @@ PATHS: dict[str, tuple[str, ...]] = {
     "convert": (LOG, OUT),
     "annotate": (LOG, OUT),
     "info": (LOG,),
+    "doctor": (LOG, MODEL),
 }

@@ -6,6 +6,7 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,9 @@ def prepared(command: str, words: Sequence[str]) -> list[str]:
     """
     from placecue.components.manager import current_plugins
 
-    found = with_source(in_keys(command, words), current_plugins().registry)
+    found = in_keys(command, words)
+    with suppress(*([UsageError] if command == "doctor" else [])):  # which tells it beside the rest
+        found = with_source(found, current_plugins().registry)
     logs = logs_in(found)
     if logs and command in PATHS and not SILENT.intersection(words):
         source = next((w.partition("=")[2] for w in found if w.startswith("source=")), "")

@@ -325,7 +325,9 @@ def _in_one_line(command: str, overrides: list[str], error: Exception) -> Placec
 def _missing(command: str, error: Exception) -> str:
     # Where another key stands for the missing one, the message alone names the one to give.
     found = re.search(r"Missing mandatory value: ([\w.]+)", str(error))
-    return f"{command} needs {found[1] if found else 'a value'}=...; see placecue {command} --help"
+    whole = getattr(error, "full_key", None) if isinstance(error, MissingMandatoryValue) else None
+    key = whole or (found[1] if found else "a value")
+    return f"{command} needs {key}=...; see placecue {command} --help"
 
 
 def _unknown_option(command: str, error: MissingConfigException) -> str:
@@ -348,7 +350,8 @@ def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
     if name in known:  # the value was refused, not the key
         return f"{command}: {_one_line(error)}"
     where = f" in {parent}" if parent else ""
-    inside = [f"{parent}.{place}" for place in _places_of(name, known)] if parent else []
+    start = f"{parent}." if parent else ""
+    inside = [f"{start}{place}" for place in _places_of(name, known)]
     if inside:
         return f"{command}: there is no '{name}'{where}; did you mean {' or '.join(inside)}?"
     return f"{command}: there is no '{name}'{where}; {choices(name, map(str, known))}"

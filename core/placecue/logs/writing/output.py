@@ -79,8 +79,9 @@ class Output:
         self._file = self._part.temporary.open("wb")
         self._schemas: dict[str, int] = {}
         self._channels: dict[tuple[str, str], int] = {}
-        self._copied: dict[int, int] = {}
-        self._copied_schemas: dict[int, int] = {}
+        # Of several files each has numbers of its own.
+        self._copied: dict[tuple[int, int], int] = {}
+        self._copied_schemas: dict[tuple[str, str, bytes], int] = {}
         self._writer = Writer(
             self._file, chunk_size=chunk_size, compression=COMPRESSIONS[compression]
         )
@@ -108,9 +109,9 @@ class Output:
         channels, schemas : mapping of int to record
             Those of the other file, by id.
         """
-        number = message.channel_id
+        number = (id(channels), message.channel_id)
         if number not in self._copied:
-            channel = channels[number]
+            channel = channels[message.channel_id]
             schema = self._copied_schema(schemas.get(channel.schema_id))
             self._copied[number] = self._writer.register_channel(
                 channel.topic, channel.message_encoding, schema, channel.metadata
@@ -136,11 +137,10 @@ class Output:
     def _copied_schema(self, schema: Schema | None) -> int:
         if schema is None:
             return 0
-        if schema.id not in self._copied_schemas:
-            self._copied_schemas[schema.id] = self._writer.register_schema(
-                schema.name, schema.encoding, schema.data
-            )
-        return self._copied_schemas[schema.id]
+        key = (schema.name, schema.encoding, schema.data)
+        if key not in self._copied_schemas:
+            self._copied_schemas[key] = self._writer.register_schema(*key)
+        return self._copied_schemas[key]
 
     def _channel(self, topic: str, type: MessageType) -> int:
         key = (topic, type.name)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 
 from placecue import interruption
 from placecue.commands.names import COMMANDS, TRACEBACK
@@ -37,6 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Exits with 0, 1 (data), 2 (usage), 130 (interrupted) or 141 (nobody reads on).
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a terminal of few letters must not end a run
+            stream.reconfigure(errors="backslashreplace")
     if "--no-plugins" in words:
         words = [word for word in words if word != "--no-plugins"]
         os.environ["PLACECUE_NO_PLUGINS"] = "1"

@@ -105,10 +105,11 @@ def print_labels(summary: LogSummary | SourceSummary) -> None:
     """Print how much is labelled, and how."""
     if summary.coverage is not None:
         print(f"{summary.observations} observations, {100 * summary.coverage:.1f} % with a label")
+    square = " #" if tables.console().options.ascii_only else " ■"
     styles = category_styles(_classes(summary))
     for label, count in sorted(summary.labels.items()):
         mark = Text(f"  {label or NO_LABEL}: {count}")
-        tables.console().print(mark.append(" ■", styles[label][0]) if label else mark)
+        tables.console().print(mark.append(square, styles[label][0]) if label else mark)
 
 
 def print_way(summary: LogSummary | SourceSummary) -> None:

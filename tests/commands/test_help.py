@@ -133,3 +133,23 @@ def test_listing_what_is_installed_imports_nothing_that_trains() -> None:
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout.splitlines()[-1] == ""
+
+
+def test_a_terminal_of_few_letters(log_a: Path) -> None:
+    few = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    told = script("info", str(log_a), **few)
+    assert (told.status, told.err) == (0, "")
+    assert "96 observations" in told.out
+    assert told.out.isascii()
+
+
+def test_something_is_said_before_anything_heavy_is_imported(log_a: Path) -> None:
+    code = (
+        "import sys; from placecue.commands.words import prepared; "
+        f"prepared('train', [{str(log_a)!r}]); "
+        "print(*(m for m in ('hydra', 'numpy', 'sklearn', 'mcap') if m in sys.modules))"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stderr.startswith(f"progress: train {log_a}, ")
+    assert told.stderr.rstrip().endswith(" MB (mcap)")
+    assert told.stdout.strip() == ""

@@ -53,7 +53,7 @@ def result(
     asked = {cue: rng.random(n) < share for cue, share in (used or {}).items()}
     return Result(
         pair, method, tuple(classes), truth, decided, rng.random(n).astype(np.float32),
-        np.arange(n, dtype=np.int64), asked,
+        np.arange(n, dtype=np.int64), used=asked,
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from placecue.components.hooks import Component, Kind, hookimpl
     from placecue.cue import Augmentation, Cue
     from placecue.cue_model import CueModel
+    from placecue.decoding import decoded
     from placecue.depth import Intrinsics, virtual_scan
     from placecue.errors import (
         DataError,
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     from placecue.kernel import DistanceKernel, Gram, Kernel, fit_kernel
     from placecue.labels.geojson import Feature, FeatureCollection, read_geojson
     from placecue.learning.rejection import Unknown
+    from placecue.limits import Limits, current_limits
     from placecue.logs.adapters.base import Adapter, Role
     from placecue.logs.messages.geometry import Transform
     from placecue.logs.messages.images import RawImage
@@ -144,6 +146,7 @@ __all__ = [
     "Known",
     "LaserScan",
     "Layout",
+    "Limits",
     "ModifiedOneAgainstAll",
     "Node",
     "Observation",
@@ -192,6 +195,8 @@ __all__ = [
     "concatenate",
     "contracts",
     "current",
+    "current_limits",
+    "decoded",
     "described",
     "estimators",
     "fit_kernel",
@@ -221,6 +226,7 @@ _MODULES = {
     "components.hooks": ("Component", "Kind", "hookimpl"),
     "cue": ("Augmentation", "Cue"),
     "cue_model": ("CueModel",),
+    "decoding": ("decoded",),
     "depth": ("Intrinsics", "virtual_scan"),
     "errors": (
         "DataError",
@@ -257,6 +263,7 @@ _MODULES = {
     "kernel": ("DistanceKernel", "Gram", "Kernel", "fit_kernel"),
     "labels.geojson": ("Feature", "FeatureCollection", "read_geojson"),
     "learning.rejection": ("Unknown",),
+    "limits": ("Limits", "current_limits"),
     "logs.adapters.base": ("Adapter", "Role"),
     "logs.messages.geometry": ("Transform",),
     "logs.messages.images": ("RawImage",),

@@ -48,6 +48,11 @@ class Faults:
         shown = str(example).encode("utf-8", "backslashreplace").decode()
         self.first.setdefault(kind, " ".join(shown.split()))
 
+    def join(self, other: Faults) -> None:
+        """Count what another counted."""
+        for kind, count in other.counts.items():
+            self.add(kind, other.first[kind], count)
+
     def pass_over(self, error: Exception) -> None:
         """Count an observation that nothing can be made of, and why."""
         self.add(PASSED_OVER, error)

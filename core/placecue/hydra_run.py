@@ -36,6 +36,8 @@ from placecue.components.manager import current_plugins
 from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.components.searches import check_opened, opened
 from placecue.errors import PlacecueError, UsageError, choices, told
+from placecue.limits import limited
+from placecue.words import as_typed
 
 #: How folders that sweeps have for themselves begin.
 SWEEPS = ".placecue_sweep_"
@@ -64,6 +66,8 @@ def run_command(command: str, overrides: list[str]) -> int:
     _log_to_stderr(["placecue"])
     logging.getLogger("placecue").setLevel(logging.INFO)
     overrides = _overrides_first(overrides)
+    if "-sc" not in overrides:
+        overrides = [as_typed(word) for word in overrides]
     _check_words(command, overrides)
     register_with_hydra()
     _log_to_stderr(_packages())
@@ -184,7 +188,8 @@ class Task:
         settings: dict[str, Any] = plain(config)
         if job is not None and settings.get("out") is not None:
             settings["out"] = self._out_of_job(config, settings, job, module.WRITES is not None)
-        with guarded(settings, module.WRITES, resumes=getattr(module, "RESUMES", None)):
+        resumes = getattr(module, "RESUMES", None)
+        with limited(settings.get("limits")), guarded(settings, module.WRITES, resumes=resumes):
             try:
                 scores = self._told_of(settings, module.run)
             except SystemExit as error:

@@ -10,11 +10,14 @@ from typing import Any, Literal, NamedTuple, Never, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.decoding import decoded
 from placecue.errors import FOREIGN, PlacecueError, UnusableObservation, described, told
 from placecue.read_only import read_only
 
 Image: TypeAlias = NDArray[np.uint8]
 Part = Literal["image", "scan", "pose", "label"]
+#: Goes up when the same log gives other observations, so that features of before are not taken.
+READING = 2
 PARTS: tuple[Part, ...] = ("image", "scan", "pose", "label")
 
 
@@ -153,20 +156,12 @@ class EncodedImage:
         UnusableObservation
             If the bytes are not an image.
         """
-        import cv2
-
-        raw = np.frombuffer(self.data, dtype=np.uint8)
-        try:
-            image = cv2.imdecode(raw, cv2.IMREAD_ANYCOLOR) if raw.size else None
-        except cv2.error as error:
-            raise UnusableObservation(f"{self.origin} does not decode: {error.err}") from error
-        if image is None:
-            raise UnusableObservation(
-                f"{self.origin} does not decode ({len(self.data)} bytes said to be {self.format})"
-            )
+        image = decoded(self.data, self.origin)
         if image.ndim == 3:
-            image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-        return np.asarray(image, dtype=np.uint8)
+            import cv2
+
+            image = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), dtype=np.uint8)
+        return image
 
 
 class Recording:

@@ -9,12 +9,13 @@ from importlib.metadata import (
     Distribution,
     PackageNotFoundError,
     distribution,
-    entry_points,
     packages_distributions,
 )
 from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
+
+from placecue.distributions import installed_entry_points
 
 #: What the interfaces are called, by where they are.
 INTERFACES = {
@@ -90,10 +91,10 @@ def _owner(module: str) -> Distribution | None:
     """Return the distribution of a module, or None."""
     package = module.partition(".")[0]
     # An editable install lists no packages, but its entry points name them.
-    for plugin in entry_points(group="placecue"):
+    for plugin in installed_entry_points("placecue")[0]:
         if plugin.module.partition(".")[0] == package and plugin.dist is not None:
             return plugin.dist
-    for name in packages_distributions().get(package, [package]):
+    for name in _distributions_of(package):
         try:
             found = distribution(name)
         except (PackageNotFoundError, ValueError):
@@ -101,6 +102,13 @@ def _owner(module: str) -> Distribution | None:
         if _holds(found, module):
             return found
     return None
+
+
+def _distributions_of(package: str) -> list[str]:
+    try:
+        return packages_distributions().get(package, [package])
+    except Exception:  # one broken record of anybody's is enough
+        return [package]
 
 
 def _holds(found: Distribution, module: str) -> bool:

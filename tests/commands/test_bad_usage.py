@@ -40,7 +40,7 @@ def nothing_but_empty_folders(folder: Path) -> bool:
         (["train", "log"], "train: 'log' is neither key=value nor a file that is there"),
         (["plugins", "a.mcap"], "'a.mcap' is no key=value, and plugins takes no paths"),
         (["train", "=3"], "train: '=3' has no key: give key=value"),
-        (["train", "log=run (1).mcap"], "put a value with special characters in quotes"),
+        (["train", "integrator=run (1)"], "put a value with special characters in quotes"),
         (["train", "log=a.mcap,b.mcap"], "Ambiguous value for argument 'log=a.mcap,b.mcap'"),
         (["train", "cue=lasr"], "unknown cue 'lasr'; did you mean 'laser'? available: "),
         (["train", "cue=[laser,smell]"], "unknown cue 'smell'; available: "),

@@ -132,7 +132,9 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setitem(sys.modules, __name__, _this_module())
     odd = EntryPoint("odd", "odd_things", "placecue")._for(OddDistribution())  # type: ignore[attr-defined]
     found = [*entry_points(group="placecue"), odd]
-    monkeypatch.setattr("placecue.components.manager.entry_points", lambda group: found)
+    monkeypatch.setattr(
+        "placecue.components.manager.installed_entry_points", lambda group: (found, [])
+    )
     current_plugins.cache_clear()
     yield
     current_plugins.cache_clear()

@@ -58,7 +58,6 @@ def test_what_stands_beside_the_features(tmp_path: Path) -> None:
     ("content", "said"),
     [
         ("", "JSONDecodeError: Expecting value"),
-        ("[" * 100_000, "RecursionError"),
         ([1], "TypeError: it is a list"),
         ({"name": "x"}, "KeyError: 'features'"),
         ({"features": 3}, "TypeError: 'int' object is not iterable"),
@@ -80,8 +79,7 @@ def test_what_is_no_collection(tmp_path: Path, content: Any, said: str) -> None:
     ("shape", "coordinates", "said"),
     [
         ("Polygon", None, "a Polygon without coordinates"),
-        ("Polygon", [], "a Polygon without coordinates"),
-        ("MultiPolygon", [[]], "a MultiPolygon without coordinates"),
+        ("MultiPolygon", [7], "a MultiPolygon without coordinates"),
         ("Polygon", [[[0, 0], [1, 1]]], "a Polygon of fewer than three points"),
         ("Polygon", [[[0], [1], [2]]], "a Polygon of fewer than three points, or not of finite"),
         ("Polygon", [[[0, 0], [1, 1], [2, float("inf")]]], "or not of finite numbers"),

@@ -38,6 +38,7 @@ from placecue.evaluation.protocol.methods import Joined, Methods
 from placecue.evaluation.protocol.plan import Protocol
 from placecue.evaluation.results.store import ResultStore
 from placecue.logs import open_log
+from rooms import Rooms, write_log
 
 
 @pytest.fixture(scope="module")
@@ -226,13 +227,35 @@ def test_a_pair_that_fails_is_told_and_the_rest_goes_on(paths, tmp_path, caplog)
     assert all("kernel Match takes" in r.error and "\n" not in r.error for r in each.wrong)
 
 
-def test_classes_that_a_test_lacks_are_left_out_and_those_never_trained_count(paths, tmp_path):
-    classes = sorted({o.label for o in open_log(paths[0])})
-    labels = {"label_map": {classes[0]: None}, "unmapped_labels": "keep"}
-    whole = run(evaluation(tmp_path / "a", paths[:2], Methods({"laser": LASER}, {})))
-    some = run(evaluation(tmp_path / "b", paths[:2], Methods({"laser": LASER}, {}), labels=labels))
-    assert whole["laser", "log0 → log1"].classes == tuple(classes)
-    assert some["laser", "log0 → log1"].classes == tuple(classes[1:])
+def test_classes_that_a_test_lacks_are_left_out_and_those_never_trained_count(
+    paths, tmp_path, caplog
+):
+    names = sorted({o.label for o in open_log(paths[0])})
+    some = [
+        write_log(tmp_path / "0.mcap", _Without(Rooms(seed=0), "lab")),
+        write_log(tmp_path / "1.mcap", _Without(Rooms(seed=1), "kitchen")),
+    ]
+    results = run(evaluation(tmp_path / "out", some, Methods({"laser": LASER}, {})))
+    result = results["laser", "0 → 1"]
+    assert list(result.classes) == names
+    assert result.absent == ("kitchen",)
+    assert result.recalls["lab"] == 0.0
+    recalls = result.recalls
+    assert result.score == pytest.approx((recalls["corridor"] + recalls["office"]) / 3)
+    told = caplog.text
+    assert "1 has no sample of kitchen: recall left out" in told
+    assert "1 has samples of lab, which 0 has not" in told
+
+
+class _Without(Rooms):
+    """A robot that never enters one of the rooms."""
+
+    def __init__(self, rooms, name):
+        super().__init__(rooms.rounds, rooms.stay, rooms.seed)
+        self.left_out = name
+
+    def __iter__(self):
+        return (each for each in super().__iter__() if each.label != self.left_out)
 
 
 def test_folds_within_a_recording_hold_every_sample_out_once(paths, tmp_path):

@@ -41,7 +41,7 @@ class Odd(Adapter):
         return self._answer("value", message, sound[self.role])
 
     def frame(self, message: Any) -> Any:
-        return self._answer("frame", message, "laser")
+        return self._answer("frame", message, "odom" if self.role == "pose" else "laser")
 
     def pixels(self, message: Any) -> Any:
         return self._answer("pixels", message, "rgb8")

@@ -8,6 +8,7 @@ import pytest
 
 from mcap_logs import START
 from placecue.errors import DataError
+from placecue.limits import limited
 from placecue.logs import open_log
 from placecue.logs.joining.labels import Intervals
 
@@ -69,3 +70,47 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path: Path, text: str, said: st
 def test_a_missing_file(small_log: str) -> None:
     with pytest.raises(DataError, match="cannot read the labels"):
         list(open_log(small_log, labels="/nowhere.csv"))
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "0,4,office\n4,8,corridor",  # seconds from the beginning
+        "1700000000000,1700000004000,office",  # milliseconds
+        "1700000000000000,1700000004000000,office",  # microseconds
+    ],
+)
+def test_intervals_of_another_clock_are_refused_with_both_spans(
+    small_log: str, tmp_path: Path, rows: str
+) -> None:
+    path = write(tmp_path, f"start,end,label\n{rows}\n")
+    with pytest.raises(DataError, match="never meet the log") as raised:
+        list(open_log(small_log, labels=path))
+    assert path in str(raised.value)
+    assert small_log in str(raised.value)
+    assert "1700000000.000 s (2023-11-14 22:13:20 UTC)" in str(raised.value)
+
+
+def test_intervals_of_another_day_are_told(
+    small_log: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = write(tmp_path, "start,end,label\n1700090000,1700090060,office\n")
+    log = open_log(small_log, labels=path)
+    assert {each.label for each in log} == {None}
+    list(log)
+    (record,) = [each for each in caplog.records if "never meet" in each.message]
+    assert "1700090000.000 s" in record.message
+
+
+@pytest.mark.parametrize("time", ["1e900000", "1e999999", "-1e900000", "9" * 5000])
+def test_a_time_of_a_million_digits_is_refused_at_once(tmp_path: Path, time: str) -> None:
+    path = write(tmp_path, f"start,end,label\n0,{time},office\n")
+    with pytest.raises(DataError, match="line 2, end: ") as raised:
+        Intervals.from_csv(path)
+    assert len(str(raised.value)) < 300
+
+
+def test_more_rows_than_the_limit_are_refused(tmp_path: Path) -> None:
+    path = write(tmp_path, "start,end,label\n0,1,a\n1,2,b\n")
+    with limited({"rows": 1}), pytest.raises(DataError, match=r"more than limits\.rows=1"):
+        Intervals.from_csv(path)

@@ -188,7 +188,7 @@ def test_what_is_missing_or_broken_is_said_once(
     ]
     (record,) = caplog.records
     assert "3 parts of 4 frames cannot be read (the first: " in record.message
-    assert "b.png is no picture (10 bytes)" in record.message
+    assert "b.png does not decode (10 bytes)" in record.message
     assert len(source.digest()) == 64
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bz2
 import logging
 import random
 import sqlite3
@@ -19,7 +20,9 @@ from rosbags.interfaces import (
 
 from bags import drive
 from placecue.errors import DataError, PlacecueError
+from placecue.limits import limited
 from placecue.logs.bags.bag import BagFile
+from placecue.logs.bags.bag_cut import unpacked
 from placecue.logs.bags.bag_definitions import Definitions
 from placecue.logs.rosbag import RosbagLog
 
@@ -129,9 +132,13 @@ def test_a_damaged_chunk_of_a_whole_bag(tmp_path: Path, caplog: pytest.LogCaptur
     path.write_bytes(content)
     found = held(path)
     assert 0 < len(found) < len(every)
-    assert found == every[: len(found)]
+    # Behind the damaged chunk it goes on.
+    left = iter(every)
+    assert all(each in left for each in found)
+    assert found[-1] == every[-1]
     (record,) = caplog.records
-    assert "is damaged: it can be read up to" in record.message
+    assert "is damaged: 1 chunks cannot be read to their end" in record.message
+    assert f"{len(every) - len(found)} messages are lost" in record.message
     assert len(list(RosbagLog(str(path)))) > 0
 
 
@@ -206,3 +213,70 @@ def test_nothing_but_one_line_for_any_damage(
         said = [] if (error := outcome(path)) is None else [str(error)]
         said += [record.getMessage() for record in caplog.records]
         assert all("\n" not in line for line in said)
+
+
+@pytest.mark.parametrize("compression", ["", "LZ4"])
+def test_an_index_that_misleads_loses_nothing(compression: str, tmp_path: Path) -> None:
+    """Places of messages within chunks: 4 + 4 bytes of time, then 4 of the place."""
+    made = drive(1, images=False)
+    path = Path(made.as_ros1(tmp_path / "run.bag", compression, chunk=1500))
+    every = held(path)
+    content = bytearray(path.read_bytes())
+    places = [i for i in range(len(content)) if content.startswith(b"op=\x04", i)]
+    assert len(places) > 4
+    for place in places[1:]:
+        start = content.index(b"ver=\x01\0\0\0", place - 40) + 8
+        content[start + 12 : start + 16] = b"\xff\xff\0\0"
+    path.write_bytes(content)
+    assert sorted(held(path)) == sorted(every)
+
+
+def test_a_chunk_that_unpacks_to_more_than_the_limit(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    made = drive(1, images=False)
+    made.entries.sort(key=lambda entry: entry[2])
+    path = Path(made.as_ros1(tmp_path / "run.bag", "BZ2", chunk=1500))
+    with limited({"chunk": 1400}):
+        assert held(path) == []
+    assert "when unpacked, more than limits.chunk=1400 allows" in caplog.text
+
+
+def test_a_chunk_whose_size_lies_is_unpacked_no_further_than_the_limit(tmp_path: Path) -> None:
+    fields = {b"op": b"\x05", b"compression": b"bz2", b"size": struct.pack("<I", 10)}
+    with limited({"chunk": 1_000_000}):
+        content, reason = unpacked(fields, bz2.compress(bytes(50_000_000)))
+    assert content == b""
+    assert reason is not None
+    assert "more bytes when unpacked than limits.chunk=1000000 allows" in reason
+
+
+def test_a_sqlite_bag_that_lacks_its_end_says_so(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = Path(drive(2, steps=60).as_bare_sqlite(tmp_path / "run_0.db3"))
+    whole = path.stat().st_size
+    path.write_bytes(path.read_bytes()[: whole - 2000])
+    try:
+        held(path)
+    except DataError:
+        return  # what was cut is needed to read anything
+    assert f"is cut off: 2000 of the {whole} bytes" in caplog.text
+
+
+@pytest.mark.parametrize("field", [b"conn=\x02", b"chunk_count="])
+def test_an_index_that_leaves_something_out_loses_nothing(
+    plain: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture, field: bytes
+) -> None:
+    """A connection under another number, or fewer chunks than there are."""
+    every = held(plain)
+    content = bytearray(plain.read_bytes())
+    if field == b"chunk_count=":
+        content[content.index(field) + len(field)] -= 2
+    else:
+        content[content.rindex(b"conn=\x02\0\0\0\x0b") + 7] = 9
+    path = tmp_path / "run.bag"
+    path.write_bytes(content)
+    assert held(path) == every
+    (record,) = caplog.records
+    assert f"read {len(every)} messages over" in record.message

@@ -25,6 +25,7 @@ from placecue.board import Board, shown_board
 from placecue.checks import check_flag, check_whole
 from placecue.commands import files, report, tables
 from placecue.commands.features import cache_of
+from placecue.commands.label_names import with_names
 from placecue.commands.logs import on_error_of
 from placecue.commands.paths import path_of
 from placecue.components.build import build, plain
@@ -65,7 +66,7 @@ def run(config: dict[str, Any]) -> None:
         about, results, wrong = evaluate(config, bench, methods, plugins)
         about = replace(about, seconds={**about.seconds, "all": perf_counter() - began})
         about.save(out)
-        written = report.write(out, about, Results([*results, *wrong]))
+        written = report.write(config, out, about, Results([*results, *wrong]))
     tables.written(written)
     plugins.tell("run_finished", command="evaluate", out=out)
     if config.get("json"):
@@ -147,6 +148,7 @@ def bench_of(config: Mapping[str, Any], out: Path, methods: Methods, plugins: Pl
     """
     check_whole("every", config["every"], least=1)
     folder, _ = cache_of(config)
+    named = with_names(config)
     needed = parts_needed(methods, plugins, rooms=bool(config.get("rooms")))
     return Bench(
         str(out.absolute()),
@@ -154,7 +156,7 @@ def bench_of(config: Mapping[str, Any], out: Path, methods: Methods, plugins: Pl
         tuple(_reading(each, needed) for each in recordings_of(config)),
         config["every"],
         config["folds"],
-        {key: config.get(key) for key in ("rooms", "label_map", "unmapped_labels")},
+        {key: named.get(key) for key in ("rooms", "label_map", "unmapped_labels")},
         on_error_of(config) == "skip",
     )
 

@@ -87,6 +87,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
         annotated.close_with(semantic_map)
     write_layout(out)
+    write_json(out / files.MAP, semantic_map.to_json())  # whatever becomes of the picture
     write_json(out / files.GEOJSON, semantic_map.to_geojson())
     draw_semantic_map(
         semantic_map,
@@ -98,7 +99,6 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     )
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
-    write_json(out / files.MAP, semantic_map.to_json())
     facts = reporting.facts(config, log.name)
     reporting.write(config, out, lambda: run_page(
         f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE

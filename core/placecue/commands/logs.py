@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from placecue.checks import check_choice
+from placecue.commands.label_names import with_names
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
@@ -63,7 +64,7 @@ def open_source(
     if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
         specs = [{**spec, "path": path} for path in paths]
     sources = [guarded(_built(each, plugins)) for each in specs]
-    sources = [relabelled(each, config) for each in sources]
+    sources = [relabelled(each, with_names(config)) for each in sources]
     for source in sources:
         plugins.tell("log_opened", source=source)
     return sources[0] if len(sources) == 1 else Chain(sources)

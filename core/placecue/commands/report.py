@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from placecue.commands import files, tables
+from placecue.commands import files, reporting, tables
 from placecue.commands.paths import path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
@@ -17,8 +17,8 @@ from placecue.evaluation.results import about as abouts
 from placecue.evaluation.results.about import About
 from placecue.evaluation.results.kept import kept, merged
 from placecue.evaluation.results.results import Results
-from placecue.evaluation.results.tables import summary_table
-from placecue.evaluation.writing import FIGURES, write_report, write_tables_and_figures
+from placecue.evaluation.results.tables import FILE, summary_table
+from placecue.evaluation.writing import FIGURES, report_page, write_tables_and_figures
 from placecue.observation import Observation
 from placecue.source import Source, guarded
 
@@ -39,11 +39,13 @@ def run(config: dict[str, Any]) -> None:
         results.save(out)
     else:
         about, results = kept(out)
-    tables.written(write(out, about, results))
+    tables.written(write(config, out, about, results))
     current_plugins().tell("run_finished", command="report", out=out)
 
 
-def write(out: Path, about: About, results: Results) -> list[tuple[str, Path]]:
+def write(
+    config: Mapping[str, Any], out: Path, about: About, results: Results
+) -> list[tuple[str, Path]]:
     """Print the summary; write tables, figures and the page of results, and return where."""
     shown = summary_table(results, results.methods, results.experiments)
     tables.table(shown.columns, [[shown.shown(cell) for cell in row] for row in shown.rows])
@@ -51,11 +53,12 @@ def write(out: Path, about: About, results: Results) -> list[tuple[str, Path]]:
     for line in warnings:
         print(f"note: {line}")
     about = replace(about, warnings=[*about.warnings, *warnings])
-    page = write_report(out, about, results, made, partial(open_recording, about))
+    reopen = partial(open_recording, about)
+    reporting.write(config, out, lambda: report_page(about, results, made, reopen))
     return [
-        ("results", out / "results.csv"),
+        ("results", out / FILE),
         ("figures", out / FIGURES),
-        ("report", page),
+        *reporting.written(config, out),
     ]
 
 

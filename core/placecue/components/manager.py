@@ -10,13 +10,15 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from typing import Any
 
 import pluggy
 
+from placecue.compiled import arrange
 from placecue.components import hooks
 from placecue.components.registry import Problem, Registry
+from placecue.distributions import installed_entry_points
 from placecue.errors import FOREIGN, PluginError, UsageError, told
 
 GROUP = "placecue"
@@ -81,10 +83,14 @@ def load_plugins(
     Plugins
         Broken plugins are in ``registry.problems``.
     """
+    arrange()
     manager = pluggy.PluginManager(hooks.PROJECT)
     manager.add_hookspecs(hooks)
     loaded = Plugins(manager, Registry(), {})
-    for entry_point in sorted(entry_points(group=GROUP) if found is None else found, key=_order):
+    if found is None:
+        found, broken = installed_entry_points(GROUP)
+        loaded.registry.problems += [Problem(each.where, "", "", each.error) for each in broken]
+    for entry_point in sorted(found, key=_order):
         distribution, version = _origin(entry_point)
         if built_ins_only and distribution != BUILT_IN:
             continue

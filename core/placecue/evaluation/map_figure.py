@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.evaluation.pictures import save_picture
+from placecue.evaluation.window import window_of
+from placecue.evaluation.window import within as _within
 from placecue.semantic_map import UNKNOWN, Node, SemanticMap
 
 if TYPE_CHECKING:
@@ -63,7 +65,10 @@ def draw_semantic_map(
     size : int
         Longer side of the picture, pixels. The other follows the shape of the map.
     voxel : float
-        Side of the squares that hold a point, and are drawn grey, m.
+        Side of the squares that hold a point, and are drawn grey, m; larger where a map has more
+        of them than the picture has pixels.
+
+    What lies absurdly far from nearly all the rest is not drawn but marked at the edge.
 
     Returns
     -------
@@ -82,7 +87,13 @@ def draw_semantic_map(
 
     styles = category_styles(_names(semantic_map, classes, truth))
     background = cells(points, voxel)
-    extent = _extent(semantic_map, background, truth)
+    window = window_of(_everything(semantic_map, background, truth))
+    outside = _outside(semantic_map, background, truth, window)
+    background = background[_within(background, window)]
+    truth = [each for each in truth or () if _within(np.array([each[:2]]), window)[0]]
+    extent = _padded(window)
+    voxel = max(voxel, float((window[1] - window[0]).max()) / size)
+    background = cells(background, voxel)
     figure = Figure(figsize=_size(extent, size), dpi=100, layout="constrained")
     axes = figure.add_subplot()
     _draw_background(axes, background, voxel)
@@ -90,6 +101,7 @@ def draw_semantic_map(
     _draw_graph(axes, semantic_map, styles)
     _draw_names(axes, semantic_map)
     _frame(axes, extent, semantic_map.frame, title)
+    _mark_outside(axes, outside, window)
     _legend(figure, styles, gateways=any(node.gateway for node in semantic_map.nodes))
     return save_picture(figure, path)
 
@@ -130,17 +142,35 @@ def _names(
     return listed + sorted(met.difference(listed))
 
 
-def _extent(semantic_map: SemanticMap, background: Points, truth: Truth | None) -> Points:
-    """Return the lower left and upper right corner of all that is drawn, m, shape (2, 2)."""
+def _everything(semantic_map: SemanticMap, background: Points, truth: Truth | None) -> Points:
+    """Return all points that are to be drawn, m, shape (n, 2)."""
+    return np.concatenate([background, *_places(semantic_map, truth)])
+
+
+def _places(semantic_map: SemanticMap, truth: Truth | None) -> tuple[Points, Points]:
+    """Return the nodes, and where there is a true category, m, each of shape (n, 2)."""
     nodes = [(node.x, node.y) for node in semantic_map.nodes]
     way = [(x, y) for x, y, _ in truth or ()]
-    parts = [np.asarray(part, dtype=np.float64).reshape(-1, 2) for part in (nodes, way)]
-    everything = np.concatenate([background, *parts])
-    if everything.size == 0:
-        return np.array([[-1.0, -1.0], [1.0, 1.0]])
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    margin = max(1.0, 0.03 * float((high - low).max()))
-    return np.array([low - margin, high + margin])
+    as_points = (np.asarray(part, dtype=np.float64).reshape(-1, 2) for part in (nodes, way))
+    nodes_at, way_at = as_points
+    return nodes_at, way_at
+
+
+def _outside(
+    semantic_map: SemanticMap, background: Points, truth: Truth | None, window: Points
+) -> Points:
+    """Return the points that the window leaves out, m: of the way, or else of the background."""
+    way = np.concatenate(_places(semantic_map, truth))
+    for points in (way, background):
+        left_out = points[~_within(points, window)]
+        if len(left_out):
+            return left_out
+    return np.empty((0, 2))
+
+
+def _padded(window: Points) -> Points:
+    margin = max(1.0, 0.03 * float((window[1] - window[0]).max()))
+    return np.array([window[0] - margin, window[1] + margin])
 
 
 def _size(extent: Points, size: int) -> tuple[float, float]:
@@ -155,12 +185,12 @@ def _draw_background(axes: Axes, background: Points, voxel: float) -> None:
     if len(background) == 0:
         return
     columns, rows = np.round(background / voxel).astype(np.int64).T
-    grid = np.zeros((int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1))
-    grid[rows - rows.min(), columns - columns.min()] = 0.4
+    grid = np.zeros((int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1), dtype=np.uint8)
+    grid[rows - rows.min(), columns - columns.min()] = 2
     left, right = columns.min() - 0.5, columns.max() + 0.5
     bottom, top = rows.min() - 0.5, rows.max() + 0.5
     sides = (left * voxel, right * voxel, bottom * voxel, top * voxel)
-    axes.imshow(grid, cmap="Greys", vmin=0, vmax=1, origin="lower", extent=sides, zorder=1)
+    axes.imshow(grid, cmap="Greys", vmin=0, vmax=5, origin="lower", extent=sides, zorder=1)
 
 
 def _draw_truth(axes: Axes, truth: Truth, styles: Mapping[str, Style]) -> None:
@@ -225,6 +255,24 @@ def _frame(axes: Axes, extent: Points, frame: str, title: str | None) -> None:
     axes.tick_params(labelsize=11)
     if title:
         axes.set_title(title, fontsize=16)
+
+
+def _mark_outside(axes: Axes, outside: Points, window: Points) -> None:
+    """Mark at the edge where points lie that are not drawn, and say how far."""
+    if len(outside) == 0:
+        return
+    at = np.clip(outside, window[0], window[1])
+    axes.plot(*np.unique(at, axis=0).T, "x", color="#B00000", markersize=10, zorder=7)
+    farthest = float(np.hypot(*(outside - at).T).max())
+    axes.annotate(
+        f"{len(outside)} outside, up to {farthest:.3g} m away",
+        at[0],
+        xytext=(8, -14),
+        textcoords="offset points",
+        color="#B00000",
+        fontsize=10,
+        zorder=7,
+    )
 
 
 def _legend(figure: Figure, styles: Mapping[str, Style], gateways: bool) -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from placecue.evaluation.figures.make import Made, check, make_all
-from placecue.evaluation.report.evaluation import write_evaluation_report
+from placecue.evaluation.report.evaluation import evaluation_page
+from placecue.evaluation.report.page import Page
 from placecue.evaluation.report.table import Table
 from placecue.evaluation.report.views import OpenRecording
 from placecue.evaluation.results.about import About
@@ -53,20 +54,19 @@ def write_tables_and_figures(
     return make_all(asked_for(about), results, about, folder / FIGURES)
 
 
-def write_report(
-    folder: Path,
+def report_page(
     about: About,
     results: Results,
     made: Sequence[Made],
     open_recording: OpenRecording | None = None,
-) -> Path:
-    """Write the page of an evaluation; see :func:`write_evaluation_report`."""
+) -> Page:
+    """Return the page of an evaluation; see :func:`evaluation_page`."""
     figures = {each.spec.name: (svg, _caption(each)) for each in made if (svg := each.svg)}
-    summary = [_on_page(each) for each in made if each.svg is None and _kind(each) != SIGNIFICANCE]
-    significance = [_on_page(each) for each in made if _kind(each) == SIGNIFICANCE]
-    return write_evaluation_report(
-        folder, about, results, figures, summary, significance, open_recording
-    )
+    told = [each for each in made if each.svg is None]
+    summary = [_on_page(each) for each in told if _kind(each) != SIGNIFICANCE]
+    tests = [each for each in told if _kind(each) == SIGNIFICANCE and each.drawn.table.rows]
+    significance = [_on_page(each) for each in tests]
+    return evaluation_page(about, results, figures, summary, significance, open_recording)
 
 
 def _kind(made: Made) -> str:

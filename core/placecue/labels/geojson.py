@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.errors import DataError, described, told
+from placecue.nesting import check_depth
 
 #: Points of a line or of the outline of a polygon, shape (n, 2), m.
 Line = NDArray[np.float64]
@@ -41,6 +42,8 @@ class Feature:
     def polygons(self) -> list[tuple[Line, ...]]:
         """Return the polygons of a Polygon or MultiPolygon: each an outline, and holes in it.
 
+        Empty ones are none.
+
         Outlines end where they began, as in the file. Other shapes give none.
 
         Raises
@@ -48,7 +51,7 @@ class Feature:
         DataError
             If one is of fewer than three points, or not of numbers.
         """
-        many = self._parts("Polygon")
+        many = [rings for rings in self._parts("Polygon") if rings != []]
         return [tuple(self._line(ring, 3) for ring in self._several(rings)) for rings in many]
 
     def lines(self) -> list[Line]:
@@ -59,7 +62,7 @@ class Feature:
         DataError
             If one is of fewer than two points, or not of numbers.
         """
-        return [self._line(points, 2) for points in self._parts("LineString")]
+        return [self._line(points, 2) for points in self._parts("LineString") if points != []]
 
     def points(self) -> list[Line]:
         """Return the points of a Point or MultiPoint, each of shape (1, 2); others give none.
@@ -69,12 +72,13 @@ class Feature:
         DataError
             If one is not of numbers.
         """
-        return [self._line([point], 1) for point in self._parts("Point")]
+        return [self._line([point], 1) for point in self._parts("Point") if point != []]
 
     def _parts(self, shape: str) -> Sequence[Any]:
         if self.shape == shape:
             return [self.coordinates]
-        return self._several(self.coordinates) if self.shape == f"Multi{shape}" else []
+        # Empty coordinates are legal, and no shape (RFC 7946, section 3.1).
+        return self.coordinates if self.shape == f"Multi{shape}" else []
 
     def _several(self, items: Any) -> Sequence[Any]:
         if not isinstance(items, list) or not items:
@@ -128,12 +132,14 @@ def read_geojson(path: str | Path, what: str = "the file") -> FeatureCollection:
         If the file cannot be read, is not a FeatureCollection, or a shape has no coordinates.
     """
     try:
-        members = _mapping(json.loads(Path(path).read_text("utf-8")), "it")
+        text = Path(path).read_text("utf-8-sig")
+        check_depth(text, f"{what} {path}")
+        members = _mapping(json.loads(text), "it")
         found = members.pop("features")
         features = [_feature(each, n, path) for n, each in enumerate(found)]
     except OSError as error:
         raise DataError(f"cannot read {what} {path}: {error.strerror}") from error
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise DataError(
             f"{what} {path} is not a GeoJSON FeatureCollection ({told(error)})"
         ) from error

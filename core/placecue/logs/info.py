@@ -10,7 +10,7 @@ from placecue.errors import PlacecueError
 from placecue.logs.joining import topics
 from placecue.logs.joining.timing import Gap, largest_gaps
 from placecue.logs.mcap.container import Topic
-from placecue.logs.reader import McapLog
+from placecue.logs.reader import McapLog, told
 from placecue.logs.writing.trail import Point, Trail
 from placecue.observation import PARTS, Observation, Part
 from placecue.progress import track
@@ -146,15 +146,15 @@ def summarise(log: McapLog, label: Callable[[Observation], str | None] | None = 
         If the file is missing or not MCAP.
     """
     contents = log.file.contents
-    duration = (contents.end - contents.start) * 1e-9
-    parts = tuple(_part(log, part, log.topics) for part in PARTS)
+    duration = (contents.end - log.start_time) * 1e-9
+    parts = tuple(_part(log, part) for part in PARTS)
     used = {name for part in parts for name in part.topics}
     gaps = largest_gaps(log.file, log.topics)
     problem, labels, trail = _observations(log, label or (lambda observation: observation.label))
     return LogSummary(
         path=str(log.path),
         size=log.file.size,
-        start=contents.start,
+        start=log.start_time,
         end=contents.end,
         duration=duration,
         whole=contents.damage is None,
@@ -172,14 +172,13 @@ def summarise(log: McapLog, label: Callable[[Observation], str | None] | None = 
     )
 
 
-def _part(log: McapLog, part: Part, available: list[Topic]) -> PartSummary:
-    if part == "label" and log.labels is not None:
-        return PartSummary(part, (), f"intervals of {log.labels}", clear=True)
+def _part(log: McapLog, part: Part) -> PartSummary:
     try:
-        choice = topics.choose(part, available, getattr(log, f"{part}_topic"), log.name)
+        choice = log.choose(part)
+        reason = told(choice, log.frames)
     except PlacecueError as error:
         return PartSummary(part, (), str(error), clear=False)
-    return PartSummary(part, tuple(topic.name for topic in choice.topics), choice.reason, True)
+    return PartSummary(part, tuple(topic.name for topic in choice.topics), reason, True)
 
 
 def _topic(topic: Topic, duration: float, gap: Gap | None, used: bool) -> TopicSummary:

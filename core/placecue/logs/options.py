@@ -25,11 +25,12 @@ class LogOptions(Source):
         What to read, of image, scan, pose and label; all by default. Topics of other parts are
         neither read nor asked about.
     tolerance : float
-        How far apart an image and its scan, or a lone pose, may be, s.
+        How far apart an image and its scan, or a lone pose, may be, s; also how far a transform
+        may be from the time it is needed at.
     window : float
         How late a message may be written against others of the same time, s.
     pose_gap : float
-        How far apart two poses may be to interpolate between them, s.
+        How far apart two poses, or two transforms, may be to interpolate between them, s.
     silence : float or None
         Where the camera is silent so long, and five times the usual distance of its images, scans
         make the observations, s; None: images always do, and what is seen between them is lost.
@@ -38,11 +39,13 @@ class LogOptions(Source):
     laser_frame : str, optional
         The laser's frame, where the scans name a wrong one.
     pose_frame : str, optional
-        The fixed frame, where poses come from transforms; odom, map or world by default.
+        The fixed frame to give poses in. By default that of the messages; where poses come from
+        transforms map, world or odom, the first that exists.
     range_max : float
         The scanner's limit where messages do not say it (Foxglove's do not), m.
     transform_horizon : float
-        How much of the beginning is searched for transforms that are not static, s.
+        How much is searched for transforms, from the first one on, s; more where they do not
+        connect the frames that are needed.
     start, end : float, optional
         The part of the log to read, s from its first message by log time.
     """

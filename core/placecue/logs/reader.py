@@ -4,32 +4,36 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+import logging
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from inspect import signature
+from math import isnan
 from pathlib import Path
 from typing import Any
 
 from placecue.errors import (
-    ComponentError,
-    ContractError,
     DataError,
     UnusableObservation,
     UsageError,
 )
-from placecue.guard import call
-from placecue.logs.adapters import contract
-from placecue.logs.joining import depth, mounting, topics
-from placecue.logs.joining.items import TopicReader
-from placecue.logs.joining.labels import Intervals
-from placecue.logs.joining.mounting import Mounting
+from placecue.faults import Faults
+from placecue.logs.joining import clocks, depth, topics
+from placecue.logs.joining.frames import readers_of
+from placecue.logs.joining.items import APART, TopicReader
+from placecue.logs.joining.labels import Intervals, Seen
+from placecue.logs.joining.log_frames import LogFrames
+from placecue.logs.joining.pose_choice import choose_pose
+from placecue.logs.joining.poses import Motion, PoseReader
 from placecue.logs.joining.reading import Reading
+from placecue.logs.joining.scan_limit import OneLimit
 from placecue.logs.joining.silence import Silence, silence_of
 from placecue.logs.joining.topics import Choice
 from placecue.logs.mcap.container import LogFile, Topic
-from placecue.logs.messages.geometry import TransformTree
 from placecue.logs.options import LogOptions
-from placecue.observation import PARTS, Observation, Part
+from placecue.observation import PARTS, LaserScan, Observation, Part
+
+log = logging.getLogger(__name__)
 
 
 class McapLog(LogOptions):
@@ -37,7 +41,8 @@ class McapLog(LogOptions):
 
     Each image makes an observation, or each scan where there are no images, with the nearest
     scan, the pose interpolated to its time, and the label in force. Times are those of the
-    message headers; the log time stands in where a header has none. Where that clock jumps back,
+    message headers; where one has no stamp its log time stands in, and labels without stamps go
+    by the log times of what they label. Where that clock jumps back,
     observations go on at the earlier time. Topics are chosen by schema; where there is no laser,
     a depth camera gives virtual scans.
     Nothing is decoded that is not asked for, and memory does not grow with the log.
@@ -46,6 +51,7 @@ class McapLog(LogOptions):
     """
 
     _faults_told = False
+    _clocks_told = False
 
     # What the log is, looked up on first use.
 
@@ -75,22 +81,33 @@ class McapLog(LogOptions):
         DataError
             If there is neither an image nor a scan topic.
         """
-        available = self.topics
         wanted = topics.check_parts(PARTS if self.parts is None else self.parts)
-        chosen: dict[Part, Choice] = {}
-        for part in wanted:
-            if part == "label" and self.labels is not None:
-                chosen[part] = Choice(part, (), f"intervals of {self.labels}")
-            else:
-                name = getattr(self, f"{part}_topic")
-                chosen[part] = topics.choose(part, available, name, str(self.path))
+        chosen = {part: self.choose(part) for part in wanted}
         makers = [part for part in wanted if part in ("image", "scan")]
         if not any(chosen[part].topics for part in makers):
             raise DataError(
                 f"{self.path} holds no {' and no '.join(makers)} that can be read; its topics: "
-                f"{', '.join(map(_described, available)) or 'none'}"
+                f"{', '.join(map(_described, self.topics)) or 'none'}"
             )
         return chosen
+
+    def choose(self, part: Part) -> Choice:
+        """Choose what gives one part.
+
+        Raises
+        ------
+        UsageError, DataError
+            See :attr:`choices`.
+        """
+        if part == "label" and self.labels is not None:
+            return Choice(part, (), f"intervals of {self.labels}")
+        name, where = getattr(self, f"{part}_topic"), str(self.path)
+        if part != "pose":
+            return topics.choose(part, self.topics, name, where)
+        frames = self.frames
+        return choose_pose(
+            self.topics, name, where, frames.driver, frames.moving_topics, frames.may_be_fixed
+        )
 
     @property
     def driver(self) -> Part:
@@ -114,16 +131,56 @@ class McapLog(LogOptions):
         return None if self.labels is None else Intervals.from_csv(self.labels)
 
     @cached_property
-    def mounting(self) -> Mounting:
-        """Where the laser sits on the robot."""
+    def frames(self) -> LogFrames:
+        """The frames of reference."""
+        return LogFrames(self)
+
+    @cached_property
+    def behind(self) -> dict[str, int]:
+        """How far the headers of the chosen topics are behind the recorder's clock, ns."""
+        chosen = [reader for part in self.choices for reader in self._plain_readers(part)]
+        placed = "pose" in self.choices or "scan" in self.choices
+        moved = [each for each in self.frames.readers if not each.static] if placed else []
+        return clocks.measured(self.file, [*chosen, *moved])
+
+    @property
+    def start_time(self) -> int:
+        """Log time of the first message that was recorded with a clock, ns."""
+        start = self.file.contents.start
+        if start > 0:
+            return start
+        return next(
+            (m.log_time for m in self.file.messages(self.file.contents.channels) if m.log_time > 0),
+            start,
+        )
+
+    @cached_property
+    def _scan_limit(self) -> float | None:
+        """The limit of the first scan that makes sense, m; None where there is none."""
         scans = self.choices["scan"].topic
         assert scans is not None  # asked only where scans are read
-        laser = self.laser_frame or self._frame_of_first(scans)
-        tree = self._tree(laser)
-        if scans.depth and tree.transforms:
-            tree.add(depth.looking_ahead(laser))
-            laser = depth.looking_ahead(laser).child
-        return mounting.find_mounting(tree, laser, self.base_frame, self.range_max, str(self.path))
+        reader = TopicReader(self.file, scans)
+        for message in self.file.messages(scans.channels):
+            try:
+                item = reader.item(message)
+                first: LaserScan | None = None if item is None else item.value()
+            except UnusableObservation:
+                continue  # counted when the scans are read
+            if first is not None:
+                return self.range_max if isnan(first.range_max) else first.range_max
+        return None
+
+    @cached_property
+    def _limits_told(self) -> set[str]:
+        return set()
+
+    def _under_one_limit(
+        self, scans: Topic, place: Callable[[LaserScan, int], LaserScan]
+    ) -> Callable[[LaserScan, int], LaserScan]:
+        if self._scan_limit is None:
+            return place
+        where = f"{self.path}, {scans.name}"
+        return OneLimit(self._scan_limit, place, where, self._limits_told)
 
     # The observations.
 
@@ -136,10 +193,34 @@ class McapLog(LogOptions):
             See :attr:`choices`; or the labels beside the log cannot be read.
         """
         reading = self._reading()
-        yield from reading.observations()
+        if not self._faults_told:
+            self._tell_taken()
+        seen = Seen()
+        for observation in reading.observations():
+            seen.add(observation.stamp)
+            if self.intervals is not None and len(seen) == 1:
+                length = self.file.contents.end - self.file.contents.start
+                self.intervals.check_clock(observation.stamp, length, str(self.path))
+            yield observation
+        if self.intervals is not None and not self._faults_told:
+            self.intervals.tell_apart(seen, str(self.path))
         if not self._faults_told:
             reading.faults.report()
             self._faults_told = True
+
+    def _tell_taken(self) -> None:
+        """Say what is read, where there was something to choose between."""
+        left = {each for choice in self.choices.values() for each in choice.others}
+        if any(topics.role_of(topic) != "transform" for topic in left):
+            log.info(f"{self.path}: {self.taken()}")
+
+    def taken(self) -> str:
+        """Return in one line which topics and frames are read, and what else there was."""
+        return "; ".join(
+            f"{part} {', '.join(topic.name for topic in choice.topics) or 'none'} "
+            f"({told(choice, self.frames)})"
+            for part, choice in self.choices.items()
+        )
 
     def trail(self) -> Iterator[Observation]:
         """Yield the observations with nothing but pose and label, decoding nothing else."""
@@ -184,50 +265,73 @@ class McapLog(LogOptions):
         return () if choice is None else choice.topics
 
     def _reading(self) -> Reading:
-        readers = [reader for part in self.choices for reader in self._readers(part)]
+        faults = Faults(str(self.path))
+        motion = self.frames.motion(faults)
+        readers = [r for part in self.choices for r in self._readers(part, motion, faults)]
+        if self.frames.moves(motion):
+            readers += readers_of(self.file, self.frames.topics)
+        clocks.set_clocks(readers, self.behind, self._driver.name)
         spans = (self.tolerance, self.window, self.pose_gap)
-        span, silence = self._span(), self.camera_silence
+        if not self._clocks_told:
+            clocks.tell(readers, self.behind, self._driver.name, str(self.path))
+            self._clocks_told = True
         return Reading(
-            self.file, self.driver, readers, self.intervals, *spans, *span, silence=silence
+            self.file,
+            self.driver,
+            readers,
+            self.intervals,
+            *spans,
+            *self._span(),
+            silence=self.camera_silence,
+            motion=motion,
+            recorded=self._labels_recorded(),
+            faults=faults,
         )
 
-    def _readers(self, part: Part) -> list[TopicReader]:
+    @property
+    def _driver(self) -> Topic:
+        topic = self.choices[self.driver].topic
+        assert topic is not None  # or there would be no choices
+        return topic
+
+    def _labels_recorded(self) -> bool:
+        """Tell whether the labels beside the log meet it by the recorder's clock alone."""
+        behind = self.behind.get(self._driver.name, 0)
+        if self.intervals is None or abs(behind) < APART:
+            return False
+        start, end = self.start_time, self.file.contents.end
+        recorded = self.intervals.meets(start, end)
+        if not recorded or self.intervals.meets(start - behind, end - behind):
+            return False
+        log.warning(
+            f"{self.path}: the intervals of {self.labels} are read on the recorder's clock, for "
+            "they do not meet the stamps of the headers"
+        )
+        return True
+
+    def _plain_readers(self, part: Part) -> list[TopicReader]:
+        found = [topic for topic in self._read(part) if topics.role_of(topic) != "transform"]
+        return [TopicReader(self.file, topic) for topic in found if part != "label"]
+
+    def _readers(self, part: Part, motion: Motion, faults: Faults) -> list[TopicReader]:
         chosen = self._read(part)
-        if part == "pose" and chosen and topics.role_of(chosen[0]) == "transform":
-            tree = self._tree(None)
-            return mounting.pose_readers(self.file, chosen, tree, self.base_frame, self.pose_frame)
-        if part == "scan" and chosen and chosen[0].depth:
-            return [
-                depth.DepthReader(self.file, chosen[0], self.file.topics(), self.mounting.place)
-            ]
-        finish = self.mounting.place if part == "scan" and chosen else None
-        return [TopicReader(self.file, topic, finish) for topic in chosen]
+        if part == "pose":
+            found = [topic for topic in chosen if topics.role_of(topic) != "transform"]
+            carrier = motion if self.frames.carries(motion) else None
+            return [PoseReader(self.file, topic, carrier) for topic in found]
+        if part == "scan" and chosen:
+            place = self.frames.mountings(motion, faults).place
+            if chosen[0].depth:
+                return [depth.DepthReader(self.file, chosen[0], self.file.topics(), place)]
+            placed = self._under_one_limit(chosen[0], place)
+            return [TopicReader(self.file, topic, placed) for topic in chosen]
+        return [TopicReader(self.file, topic) for topic in chosen]
 
     def _span(self) -> tuple[int | None, int | None]:
-        first = self.file.contents.start
+        first = 0 if self.start is None and self.end is None else self.start_time
         since = None if self.start is None else first + round(self.start * 1e9)
         until = None if self.end is None else first + round(self.end * 1e9)
         return since, until
-
-    def _frame_of_first(self, topic: Topic) -> str:
-        reader = TopicReader(self.file, topic)
-        for message in self.file.messages(topic.channels):
-            try:
-                decoded = reader.decoded(message)
-                frame: str = call(reader.adapter, "frame", decoded, check=contract.text)
-                return frame
-            except ContractError:
-                raise
-            except (UnusableObservation, ComponentError):
-                continue  # counted when the scans are read
-        return ""
-
-    def _tree(self, laser: str | None) -> TransformTree:
-        moving = topics.transforms(self.file.topics())
-        wanted = None
-        if laser is not None:
-            wanted = (self.base_frame or mounting.BASE_FRAMES[0], laser)
-        return mounting.read_tree(self.file, moving, wanted, self.transform_horizon)
 
 
 def open_log(path: str | Path, **options: Any) -> McapLog:
@@ -260,6 +364,14 @@ def open_log(path: str | Path, **options: Any) -> McapLog:
     log = McapLog(str(path), **options)
     _ = log.choices  # errors come now and not in the middle of something
     return log
+
+
+def told(choice: Choice, frames: LogFrames) -> str:
+    """Return why a choice was made, its frames, and what else there was."""
+    others = ", ".join(topic.name for topic in choice.others)
+    frame = frames.told(choice)
+    left = f"; not taken: {others}" if others else ""
+    return f"{choice.reason}{f', {frame}' if frame else ''}{left}"
 
 
 def _described(topic: Topic) -> str:

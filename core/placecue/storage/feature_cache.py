@@ -27,7 +27,7 @@ from placecue.cue import Cue
 from placecue.errors import ComponentError, PlacecueError, UnusableObservation, UsageError
 from placecue.extraction import AnyCue, Extracted, Extraction, ready
 from placecue.features import Features, single, stack
-from placecue.observation import Observation, Origin
+from placecue.observation import READING, Observation, Origin
 from placecue.storage import cache_folder
 from placecue.storage.arrays import read_arrays, write_arrays
 from placecue.storage.shard import SIZE, Entry, Shard
@@ -261,6 +261,7 @@ class _Keys:
             "cue": kind.__name__ if provided is None else provided.component.name,
             "class": f"{kind.__module__}.{kind.__qualname__}",
             "version": cue.version,
+            "reading": READING,
             "libraries": _libraries(cue),
             "inside": _versions(cue.get_params(deep=False)),
             "parameters": parameters,

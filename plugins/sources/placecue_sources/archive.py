@@ -13,7 +13,7 @@ import tarfile
 import tempfile
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from io import BufferedReader
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +21,7 @@ from typing import IO, Any, Self
 
 from placecue.errors import DataError, UnusableObservation, UsageError
 from placecue.faults import Faults
+from placecue.limits import current_limits
 
 PACKED: dict[bytes, Any] = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open, b"\xfd7zXZ": lzma.open}
 DAMAGED = "places in the tar are cut or damaged; what lies there is left out"
@@ -48,15 +49,22 @@ class Archive(ABC):
     def open(self, name: str) -> BufferedReader:
         """Open a file to be read at any position; it may raise OSError or KeyError."""
 
+    @abstractmethod
+    def size(self, name: str) -> int:
+        """Return the size of a file when it is read, bytes; it may raise what opening does."""
+
     def read(self, name: str) -> bytes:
         """Return all of a file.
 
         Raises
         ------
         UnusableObservation
-            If it is not there, or cannot be read to its end.
+            If it is not there, cannot be read to its end, or is larger than ``limits.file``.
         """
         try:
+            size = self.size(name)
+            if over := current_limits().over("file", size):
+                raise UnusableObservation(f"{name} in {self.path} has {size} bytes, {over}")
             with self.open(name) as file:
                 return file.read()
         except (OSError, KeyError, tarfile.TarError) as error:
@@ -103,19 +111,48 @@ class Archive(ABC):
 
 
 class Folder(Archive):
-    """A folder and all folders in it."""
+    """A folder and all folders in it; links to folders are followed, once each.
+
+    Raises
+    ------
+    DataError
+        If it holds more files than ``limits.members``.
+    """
 
     def names(self) -> list[str]:
         """Return the names of all files, sorted."""
-        return sorted(
-            (Path(folder) / file).relative_to(self.path).as_posix()
-            for folder, _, files in os.walk(self.path)
-            for file in files
-        )
+        found: list[str] = []
+        for folder, inner, files in os.walk(self.path, followlinks=True):
+            inner[:] = [name for name in inner if not _leads_back(Path(folder) / name)]
+            found += ((Path(folder) / file).relative_to(self.path).as_posix() for file in files)
+            check_members(self.path, len(found))
+        return sorted(found)
+
+    def size(self, name: str) -> int:
+        """Return the size of a file, bytes."""
+        return (self.path / name).stat().st_size
 
     def open(self, name: str) -> BufferedReader:
         """Open a file."""
         return (self.path / name).open("rb")
+
+
+def _leads_back(folder: Path) -> bool:
+    """Tell whether a folder is a link to one that it lies in, which would never end."""
+    return folder.is_symlink() and folder.parent.resolve().is_relative_to(folder.resolve())
+
+
+def check_members(path: Path, count: int) -> None:
+    """Refuse a folder or tar with more files than one may have.
+
+    Raises
+    ------
+    DataError
+        If it has too many.
+    """
+    over = current_limits().over("members", count)
+    if over:
+        raise DataError(f"{path} holds {count} files, {over}")
 
 
 class Tar(Archive):
@@ -149,11 +186,19 @@ class Tar(Archive):
         except tarfile.TarError as error:
             self._file.close()
             raise DataError(f"{path} is neither a folder nor a tar: {error}") from error
-        self._members = {posixpath.normpath(each.name): each for each in self._index(faults)}
+        self._members: dict[str, tarfile.TarInfo] = {}
+        for each in self._index(faults):
+            self._members[posixpath.normpath(each.name)] = each
+            check_members(path, len(self._members))
+        self._follow_links(faults)
 
     def names(self) -> list[str]:
         """Return the names of all files, sorted."""
         return sorted(self._members)
+
+    def size(self, name: str) -> int:
+        """Return the size of a member, bytes."""
+        return self._members[name].size
 
     def open(self, name: str) -> BufferedReader:
         """Open a member."""
@@ -186,8 +231,20 @@ class Tar(Archive):
             if expected is not None and expected < member.offset and self._is_damaged(expected):
                 faults.add(DAMAGED, f"byte {expected}")
             expected = self._tar.offset
-            if member.isreg():
+            if member.isreg() or member.islnk() or member.issym():
                 yield member
+
+    def _follow_links(self, faults: Faults) -> None:
+        """Put the files that links lead to in their places, those of linked folders too."""
+        links = {name: each for name, each in self._members.items() if not each.isreg()}
+        files = {name: each for name, each in self._members.items() if each.isreg()}
+        for name, link in links.items():
+            for inner, member in _led_to(name, link, links, files):
+                self._members[inner] = member
+            if not self._members[name].isreg():
+                del self._members[name]
+                within = any(each.startswith(f"{name}/") for each in self._members)
+                faults.add("links in the tar lead nowhere and were left out", name, int(not within))
 
     def _is_damaged(self, position: int) -> bool:
         """Tell whether no header stands where one should; padding and notes are no damage."""
@@ -198,6 +255,26 @@ class Tar(Archive):
             self._file.seek(position)
             return any(self._file.read(tarfile.BLOCKSIZE))
         return False
+
+
+def _led_to(
+    name: str,
+    link: tarfile.TarInfo,
+    links: Mapping[str, tarfile.TarInfo],
+    files: Mapping[str, tarfile.TarInfo],
+) -> Iterator[tuple[str, tarfile.TarInfo]]:
+    """Yield the files that a link stands for, with the names that it gives them."""
+    target, passed = name, set()
+    while (step := links.get(target)) is not None and target not in passed:
+        passed.add(target)
+        # A symbolic link is given from where it lies, a hard one from the beginning of the tar.
+        start = posixpath.dirname(target) if step.issym() else ""
+        target = posixpath.normpath(posixpath.join(start, step.linkname))
+    if target in files:
+        yield name, files[target]
+    for each, member in files.items():
+        if each.startswith(f"{target}/"):
+            yield f"{name}/{each[len(target) + 1 :]}", member
 
 
 def open_archive(path: str, faults: Faults) -> Archive:
@@ -240,13 +317,25 @@ def _plain(path: Path, faults: Faults) -> IO[bytes]:
     return file
 
 
+def _write(plain: IO[bytes], piece: bytes) -> None:
+    try:
+        plain.write(piece)
+        plain.flush()
+    except OSError as error:
+        plain.close()
+        raise DataError(
+            f"there is no room to unpack the tar in {tempfile.gettempdir()} ({error.strerror}): "
+            "make room, name another folder with TMPDIR, or unpack it yourself"
+        ) from error
+
+
 def _unpacked(packed: Any, faults: Faults) -> IO[bytes]:
     """Return the content of a compressed file as a temporary file."""
     plain = tempfile.TemporaryFile()  # noqa: SIM115 - closed by the archive that it becomes
     try:
         # Small pieces, so that little is lost before a cut.
         while piece := packed.read1(io.DEFAULT_BUFFER_SIZE):
-            plain.write(piece)
+            _write(plain, piece)
     except (EOFError, OSError, zlib.error, lzma.LZMAError) as error:
         faults.add(DAMAGED, f"byte {plain.tell()} of the content, {error}")
     plain.seek(0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import hashlib
 import json
@@ -81,7 +82,7 @@ def lines(path: Path, longest: int = 1 << 20) -> Iterator[tuple[int, bytes]]:
         try:
             while line := file.readline(longest):
                 number += 1
-                yield number, line
+                yield number, line.removeprefix(codecs.BOM_UTF8) if number == 1 else line
         except (EOFError, gzip.BadGzipFile, zlib.error) as error:
             log.warning(f"{path} is cut or damaged after line {number} ({error}); used up to there")
 

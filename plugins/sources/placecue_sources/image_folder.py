@@ -22,7 +22,8 @@ class ImageFolder(Source):
 
     Classes come one after the other, the images of each in natural order (2 before 10), numbered
     at an even rate. The folder that an image lies in, within that of its class, is its scene.
-    Images that lie in no folder, or cannot be read, are counted and said once.
+    Images that lie in no folder, or cannot be read, are counted and said once. Hidden files and
+    folders, whose names begin with a point, are no images and no classes.
 
     Parameters
     ----------
@@ -80,12 +81,12 @@ class ImageFolder(Source):
         """Return a digest of the images, of their names and of the rate."""
         with open_archive(self.path, Faults(self.name)) as archive:
             images = [image for _, image, _ in self._images(archive, Faults(self.name))]
-            root = self._root(archive.names())
+            root = self._root([name for name in archive.names() if not _is_hidden(name)])
             return digest_of({"rate": self.rate, "files": archive.digest(images, root)}, [])
 
     def _images(self, archive: Archive, faults: Faults) -> list[tuple[str, str, str | None]]:
         """Return label, name and scene of each image, in order."""
-        names = archive.names()
+        names = [name for name in archive.names() if not _is_hidden(name)]
         root = self._root(names)
         found = []
         for name in filter(is_image, names):
@@ -105,3 +106,8 @@ class ImageFolder(Source):
         top = next(iter(tops), "")
         nested = all(name.count("/") > 1 for name in names if is_image(name))
         return top if len(tops) == 1 and nested and not Path(self.path).is_dir() else ""
+
+
+def _is_hidden(name: str) -> bool:
+    """Tell whether a file is one that programs keep for themselves, or lies among such."""
+    return any(step.startswith(".") or step == "__MACOSX" for step in name.split("/"))

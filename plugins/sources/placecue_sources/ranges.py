@@ -8,6 +8,7 @@ from io import BytesIO
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.limits import current_limits
 from placecue.observation import LaserScan
 
 SEPARATORS = re.compile(r"[\s,;]+")
@@ -25,10 +26,27 @@ def ranges_of(text: str) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        If there is none, or one is no number.
+        If there is none, one is no number, or they are separated in more ways than one: 1,5 2,5
+        may be two numbers or four.
     """
-    found = np.array(SEPARATORS.split(text.strip(" \t\r\n,;[]()"))).astype(np.float64)
-    return np.asarray(found)
+    inner = text.strip(" \t\r\n,;[]()\ufeff")
+    ways = {_way(gap) for gap in SEPARATORS.findall(inner)}
+    if len(ways) > 1:
+        raise ValueError(
+            f"numbers are separated by {' and by '.join(sorted(ways))}, so it is not known which "
+            "commas are decimal ones: separate them in one way, and write decimal points"
+        )
+    numbers = SEPARATORS.split(inner)
+    over = current_limits().over("beams", len(numbers))
+    if over:
+        raise ValueError(f"{len(numbers)} beams, {over}")
+    return np.asarray(np.array(numbers).astype(np.float64))
+
+
+def _way(gap: str) -> str:
+    """Return what separates two numbers, whatever blanks there are around it."""
+    named = {",": "commas", ";": "semicolons"}
+    return next((named[each] for each in gap if each in named), "blanks")
 
 
 def ranges_in(data: bytes, name: str) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.decoding import decoded
 from placecue.errors import DataError, UnusableObservation
 from placecue.faults import Faults
 from placecue.observation import EncodedImage
@@ -80,12 +81,7 @@ def depth_image(frame: Frame) -> NDArray[np.float64]:
         If there is none, or it is no picture of one channel.
     """
     path, data = _bytes_of(frame.depth, "depth image", frame)
-    try:
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
-    except cv2.error as error:
-        raise UnusableObservation(f"{path} does not decode: {error.err}") from error
-    if image is None:
-        raise UnusableObservation(f"{path} is no picture ({len(data)} bytes)")
+    image = decoded(data, str(path), cv2.IMREAD_UNCHANGED)
     if image.ndim != 2:
         raise UnusableObservation(f"{path} is no depth image: it has {image.shape[2]} channels")
     return np.asarray(image, dtype=np.float64)

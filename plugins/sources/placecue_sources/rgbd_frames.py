@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from placecue.errors import DataError, UsageError, choices
+from placecue_sources.nearest_times import are_times, paired
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".pgm", ".bmp", ".webp", ".exr")
 
@@ -107,6 +108,9 @@ def frames_of_table(path: Path, columns: Columns, rate: float) -> list[Frame]:
 def frames_of_folders(images: Path, depths: Path, rate: float) -> list[Frame]:
     """Return the frames of two folders, paired by file name without its ending.
 
+    Where names are times that differ between the folders, as in the RGB-D data set of TUM, the
+    nearest go together, and they are the times of the frames.
+
     Parameters
     ----------
     images, depths : Path
@@ -117,9 +121,14 @@ def frames_of_folders(images: Path, depths: Path, rate: float) -> list[Frame]:
     Raises
     ------
     DataError
-        If neither folder holds a picture.
+        If neither folder holds a picture, or their times are too far apart.
     """
     pictures, maps = _by_stem(images), _by_stem(depths)
+    if pictures and maps and pictures.keys().isdisjoint(maps) and are_times((*pictures, *maps)):
+        return [
+            Frame(stamp, pictures.get(image or ""), maps.get(depth or ""))
+            for stamp, image, depth in paired(list(pictures), list(maps), str(images.parent))
+        ]
     names = sorted(pictures.keys() | maps.keys(), key=_natural)
     if not names:
         raise DataError(f"no picture in {images} and none in {depths}; check the folders' names")

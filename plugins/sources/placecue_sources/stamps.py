@@ -12,6 +12,8 @@ NANOSECONDS = {"s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1}
 UNITS = (*NANOSECONDS, "iso", "none")
 #: What 64 bits of nanoseconds hold.
 LONGEST = 2**63 - 1
+#: Digits before the point of the largest time in the smallest unit, and some more.
+DIGITS = 25
 
 
 def nanoseconds(text: str, unit: str = "s") -> int:
@@ -30,7 +32,7 @@ def nanoseconds(text: str, unit: str = "s") -> int:
         If it is no time after 1970 that 64 bits can hold.
     """
     try:
-        stamp = _iso(text) if unit == "iso" else int(Decimal(text) * NANOSECONDS[unit])
+        stamp = _iso(text) if unit == "iso" else _counted(text, NANOSECONDS[unit])
     except (ArithmeticError, ValueError) as error:
         raise ValueError(f"'{text}' is not a time in {unit}") from error
     if not 0 <= stamp <= LONGEST:
@@ -45,6 +47,13 @@ def _finer(stamp: int, unit: str) -> str:
     factor = NANOSECONDS.get(unit, 1)
     fits = [name for name, each in NANOSECONDS.items() if 0 <= stamp // factor * each <= LONGEST]
     return f", but in {fits[0]} it does: stamp_unit={fits[0]}" if fits else ""
+
+
+def _counted(text: str, unit: int) -> int:
+    number = Decimal(text)
+    if number.is_finite() and number.adjusted() > DIGITS:  # to write it out can take forever
+        raise ValueError("too large")
+    return int(number * unit)
 
 
 def nearest(stamps: NDArray[np.int64], stamp: int, tolerance: int) -> int | None:

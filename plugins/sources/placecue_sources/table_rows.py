@@ -20,6 +20,8 @@ from placecue_sources.image_files import is_image, natural
 #: What a row can say.
 KEYS = ("stamp", "image", "scan", "x", "y", "theta", "label", "scene")
 SHOWN = 3
+#: Letters of the names of columns that are shown.
+LISTED = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +97,7 @@ class Places:
         if self.columns is None:
             found = {key: names.index(key) for key in KEYS if key in names}
             if not found:
-                listed = ", ".join(names) or "nothing"
+                listed = " ".join(", ".join(names).split())[:LISTED] or "nothing"
                 raise UsageError(
                     f"{origin} names none of {', '.join(KEYS)} but {listed}; say which is which "
                     "with columns"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import zlib
 from array import array
 from collections.abc import Callable, Iterator, Sequence
@@ -90,8 +91,9 @@ class TextRecords:
         try:
             while line := self.file.readline(LONGEST_LINE):
                 number += 1
-                if line.strip() and not line.startswith((b"#", b"%")):
-                    yield number, start, line
+                content = line.removeprefix(codecs.BOM_UTF8) if number == 1 else line
+                if content.strip() and not content.startswith((b"#", b"%")):
+                    yield number, start + len(line) - len(content), content
                 start += len(line)
         except (OSError, EOFError, TarError, zlib.error) as error:
             self.faults.add(

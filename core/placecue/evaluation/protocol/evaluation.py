@@ -15,7 +15,7 @@ from placecue.errors import DataError, PlacecueError
 from placecue.evaluation.protocol.bench import Bench
 from placecue.evaluation.protocol.joining import fit_and_decide, result_of, scenes
 from placecue.evaluation.protocol.methods import Methods
-from placecue.evaluation.protocol.pairs import Split, splits_of
+from placecue.evaluation.protocol.pairs import Part, Split, splits_of
 from placecue.evaluation.protocol.plan import Plan
 from placecue.evaluation.protocol.plan import Protocol as Fitting
 from placecue.evaluation.protocol.preparing import (
@@ -114,7 +114,7 @@ class Evaluation:
         self.scores = ScoresStore(self.bench.folder, self.registry)
         self._record(executor)
         contents = self._contents()
-        splits = self.splits(contents)
+        splits = splits_of(self.pairs, self.bench.recordings, self.bench.scheme.n_folds)
         self.plan = Plan(
             self.bench,
             splits,
@@ -130,7 +130,8 @@ class Evaluation:
             for split in splits
         }
         self._announce(board)
-        self._extract(executor, contents, splits)
+        self._extract(executor, contents)
+        self._tell_classes(splits)
         told = _Told(self, board, tell)
         self._single_cues(executor, told)
         self._joined(executor, told)
@@ -157,10 +158,6 @@ class Evaluation:
         self.bench = replace(self.bench, recordings=tuple(known))
         return contents
 
-    def splits(self, contents: Mapping[tuple[str, str], Contents]) -> list[Split]:
-        """Return the splits, once recordings say all of themselves."""
-        return splits_of(self.pairs, self.bench.recordings, self.bench.scheme.n_folds)
-
     def _wants_costs(self) -> bool:
         built = (
             build(each.integrator, "integrator", self.registry, each.name)
@@ -178,12 +175,7 @@ class Evaluation:
 
     # ------------------------------------------------------------------ the three stages
 
-    def _extract(
-        self,
-        executor: Runs,
-        contents: Mapping[tuple[str, str], Contents],
-        splits: Sequence[Split],
-    ) -> None:
+    def _extract(self, executor: Runs, contents: Mapping[tuple[str, str], Contents]) -> None:
         """Extract the cues of every recording into the cache; note what classes it has."""
         specs: dict[str, Mapping[str, Any]] = {}
         for model in self.methods.models.values():
@@ -203,6 +195,28 @@ class Evaluation:
                 each.log, found.digest, dict(metadata), classes, dict(each.source)
             )
         self._spent("extracting cues", perf_counter() - began)
+
+    def _tell_classes(self, splits: Sequence[Split]) -> None:
+        """Say which classes tests lack, and which of theirs no model was trained on."""
+        lines: dict[str, None] = {}
+        for split in splits:
+            if split.test.fold is not None:
+                continue  # parts of one recording
+            trained = {c for part in split.train for c in self._classes(split.world, part)}
+            tested = set(self._classes(split.world, split.test))
+            if not trained or not tested:
+                continue  # it could not be read, which is told
+            train = " + ".join(map(str, split.train))
+            if lacking := sorted(trained - tested):
+                lines[f"{split.test} has no sample of {', '.join(lacking)}: recall left out"] = None
+            if unknown := sorted(tested - trained):
+                what = f"{split.test} has samples of {', '.join(unknown)}, which {train} has not"
+                lines[f"{what}: models never say so, and they count as not recognised"] = None
+        for line in lines:
+            log.warning(line)
+
+    def _classes(self, world: str, part: Part) -> Mapping[str, int]:
+        return self.recordings["/".join(filter(None, (world, part.recording)))].classes
 
     def _single_cues(self, executor: Runs, told: _Told) -> None:
         began = perf_counter()

@@ -9,6 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from placecue.errors import UnusableObservation
+from placecue.limits import current_limits
+from placecue.logs.messages.geometry import Transform
+
+#: No scanner reaches so far, m: drivers that know no limit state infinity or the largest float.
+BEYOND = 1e6
 
 Role = Literal["image", "scan", "pose", "label", "transform"]
 
@@ -59,6 +64,10 @@ class Adapter(ABC):
         """Return the frame that the message is given in; empty where it does not say."""
         return ""
 
+    def moved(self, message: Any) -> Transform | None:
+        """Return where a pose puts which frame, in three dimensions; None where it does not say."""
+        return None
+
     def pixels(self, message: Any) -> str:
         """Return the pixel format of an image; empty where it does not say."""
         return ""
@@ -78,6 +87,10 @@ def increasing(
     origin : str
         Where it comes from, for messages.
     """
+    count = np.shape(ranges)[0]
+    over = current_limits().over("beams", count)
+    if over:
+        raise UnusableObservation(f"{origin} is a scan of {count} beams, {over}")
     lengths = np.asarray(ranges, dtype=np.float64)
     if len(lengths) > 1 and not (np.isfinite(first) and np.isfinite(step) and step != 0.0):
         raise UnusableObservation(
@@ -85,3 +98,8 @@ def increasing(
         )
     angles = first + step * np.arange(len(lengths), dtype=np.float64)
     return (angles, lengths) if step >= 0 else (angles[::-1].copy(), lengths[::-1].copy())
+
+
+def stated(range_max: float) -> float:
+    """Return the limit that a scan states, m; NaN where it states none that a scanner can have."""
+    return range_max if 0.0 < range_max < BEYOND else float("nan")

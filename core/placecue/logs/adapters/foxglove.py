@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from base64 import b64decode
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.errors import UnusableObservation
-from placecue.logs.adapters.base import Adapter, Role, increasing
-from placecue.logs.messages.geometry import Transform, yaw
-from placecue.logs.messages.images import RawImage
+from placecue.contracts.words import shown
+from placecue.errors import UnusableObservation, described
+from placecue.logs.adapters.base import Adapter, Role, increasing, stated
+from placecue.logs.messages.geometry import Transform, flatten, yaw
+from placecue.logs.messages.images import RawImage, ReorderedImage, compressed
 from placecue.observation import EncodedImage, LaserScan, Pose2D
 
 ENCODINGS = ("json", "protobuf")
@@ -28,7 +30,7 @@ class FoxgloveAdapter(Adapter):
 
     def frame(self, message: Any) -> str:
         """Return the frame of reference."""
-        return str(message["frame_id"])
+        return _text(message["frame_id"]).lstrip("/")
 
 
 def nanoseconds(time: Any) -> int:
@@ -38,6 +40,8 @@ def nanoseconds(time: Any) -> int:
 
 def content(data: str | bytes) -> bytes:
     """Return the bytes of a field, which JSON holds in base 64."""
+    if not isinstance(data, str | bytes):
+        raise TypeError(f"the data are {described(data)}, not in base 64")
     return b64decode(data) if isinstance(data, str) else data
 
 
@@ -47,9 +51,9 @@ class FoxgloveCompressedImage(FoxgloveAdapter):
     schemas: ClassVar[tuple[str, ...]] = ("foxglove.CompressedImage",)
     role: ClassVar[Role] = "image"
 
-    def value(self, message: Any, origin: str) -> EncodedImage:
+    def value(self, message: Any, origin: str) -> EncodedImage | ReorderedImage:
         """Return the image, undecoded."""
-        return EncodedImage(content(message["data"]), message["format"], origin)
+        return compressed(content(message["data"]), _text(message["format"]), origin)
 
 
 class FoxgloveRawImage(FoxgloveAdapter):
@@ -60,8 +64,9 @@ class FoxgloveRawImage(FoxgloveAdapter):
 
     def value(self, message: Any, origin: str) -> RawImage:
         """Return the image, unconverted."""
-        size = (message["height"], message["width"], message["step"])
-        return RawImage(content(message["data"]), *size, message["encoding"], origin)
+        height, width, step = (_whole(message[name]) for name in ("height", "width", "step"))
+        encoding = _text(message["encoding"])
+        return RawImage(content(message["data"]), height, width, step, encoding, origin)
 
     def pixels(self, message: Any) -> str:
         """Return the pixel format."""
@@ -90,13 +95,13 @@ class FoxgloveLaserScan(FoxgloveAdapter):
             _lengths(lengths),
             origin,
         )
-        return LaserScan(
+        scan = LaserScan(
             angles,
             ranges,
             float(message.get("range_min", 0.0)),
-            float(message.get("range_max", "nan")),
-            _planar(message["pose"], self.frame(message)),
+            stated(float(message.get("range_max", "nan"))),
         )
+        return _placed(scan, message["pose"], self.frame(message))
 
 
 class FoxglovePoseInFrame(FoxgloveAdapter):
@@ -157,6 +162,31 @@ class PlacecueLabel(Adapter):
         return label.strip()
 
 
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{described(value)} where a text is due")
+    return value
+
+
+def _whole(value: Any) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise TypeError(f"{shown(value)} where a size is due")
+    return value
+
+
+def _placed(scan: LaserScan, pose: Any, frame: str) -> LaserScan:
+    """Return a scan where its message says that it lies in its frame.
+
+    Upside down its angles run clockwise; seen from above they are mirrored.
+    """
+    matrix = Transform("", "", _xyz(pose["position"]), _xyzw(pose["orientation"])).matrix()
+    mount = flatten(matrix, frame)
+    if matrix[2, 2] >= 0.0:
+        return replace(scan, mount=mount)
+    angles, ranges = -scan.angles[::-1], scan.ranges[::-1].copy()
+    return replace(scan, angles=angles, ranges=ranges, mount=mount)
+
+
 def _lengths(lengths: Any) -> NDArray[np.float64]:
     if not isinstance(lengths, list):  # protobuf has a number for everything
         return np.array(lengths, dtype=np.float64)
@@ -164,24 +194,29 @@ def _lengths(lengths: Any) -> NDArray[np.float64]:
 
 
 def _planar(pose: Any, frame: str) -> Pose2D:
+    x, y, _ = _xyz(pose["position"])
     return Pose2D(
-        float(pose["position"]["x"]),
-        float(pose["position"]["y"]),
+        x,
+        y,
         yaw(*_xyzw(pose["orientation"])),
         frame,
     )
 
 
 def _transform(message: Any) -> Transform:
-    translation = message["translation"]
     return Transform(
-        parent=message["parent_frame_id"],
-        child=message["child_frame_id"],
-        translation=(translation["x"], translation["y"], translation["z"]),
+        parent=_text(message["parent_frame_id"]).lstrip("/"),
+        child=_text(message["child_frame_id"]).lstrip("/"),
+        translation=_xyz(message["translation"]),
         rotation=_xyzw(message["rotation"]),
         stamp=nanoseconds(message["timestamp"]),
     )
 
 
+def _xyz(vector: Any) -> tuple[float, float, float]:
+    return float(vector["x"]), float(vector["y"]), float(vector["z"])
+
+
 def _xyzw(rotation: Any) -> tuple[float, float, float, float]:
-    return rotation["x"], rotation["y"], rotation["z"], rotation["w"]
+    x, y, z, w = (float(rotation[axis]) for axis in "xyzw")
+    return x, y, z, w

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from placecue.logs.adapters.base import Adapter, Role, increasing
+import numpy as np
+
+from placecue.logs.adapters.base import Adapter, Role, increasing, stated
 from placecue.logs.messages.geometry import Transform, yaw
-from placecue.logs.messages.images import RawImage
+from placecue.logs.messages.images import RawImage, ReorderedImage, compressed
 from placecue.observation import EncodedImage, LaserScan, Pose2D
 
 #: ROS 2 and ROS 1.
@@ -44,10 +46,9 @@ class RosCompressedImage(RosAdapter):
     schemas: ClassVar[tuple[str, ...]] = ("sensor_msgs/CompressedImage",)
     role: ClassVar[Role] = "image"
 
-    def value(self, message: Any, origin: str) -> EncodedImage:
+    def value(self, message: Any, origin: str) -> EncodedImage | ReorderedImage:
         """Return the image, undecoded."""
-        kind = "png" if "png" in message.format.lower() else "jpeg"
-        return EncodedImage(bytes(message.data), kind, origin)
+        return compressed(bytes(message.data), message.format, origin)
 
     def pixels(self, message: Any) -> str:
         """Return the format, such as ``rgb8; jpeg compressed bgr8``."""
@@ -91,8 +92,8 @@ class RosLaserScan(RosAdapter):
         return LaserScan(
             angles,
             ranges,
-            message.range_min,
-            message.range_max,
+            message.range_min if np.isfinite(message.range_min) else 0.0,
+            stated(message.range_max),
             Pose2D(0.0, 0.0, 0.0, self.frame(message)),
         )
 
@@ -106,6 +107,11 @@ class RosOdometry(RosAdapter):
     def value(self, message: Any, origin: str) -> Pose2D:
         """Return the pose in the plane."""
         return _planar(message.pose.pose, self.frame(message))
+
+    def moved(self, message: Any) -> Transform | None:
+        """Return where it puts its child frame; a PoseWithCovarianceStamped names none."""
+        child = str(getattr(message, "child_frame_id", "")).lstrip("/")
+        return _moved(message.pose.pose, self.frame(message), child) if child else None
 
 
 class RosPoseStamped(RosAdapter):
@@ -168,6 +174,10 @@ class RosString(Adapter):
 
 def _planar(pose: Any, frame: str) -> Pose2D:
     return Pose2D(pose.position.x, pose.position.y, yaw(*_xyzw(pose.orientation)), frame)
+
+
+def _moved(pose: Any, parent: str, child: str) -> Transform:
+    return Transform(parent, child, _xyz(pose.position), _xyzw(pose.orientation))
 
 
 def _xyz(vector: Any) -> tuple[float, float, float]:

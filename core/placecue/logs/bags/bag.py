@@ -9,20 +9,21 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from mcap.records import Channel, Message, Schema
-from rosbags import rosbag1, rosbag2
+from rosbags import rosbag2
 from rosbags.interfaces import Connection, ConnectionExtRosbag1
 
 from placecue.errors import DataError
+from placecue.logs.bags.bag_chunks import ChunkReader
 from placecue.logs.bags.bag_cut import CutBag
 from placecue.logs.bags.bag_definitions import Definitions
-from placecue.logs.bags.bag_storage import STORAGES, files_of, storage_of
-from placecue.logs.mcap.container import LogFile
+from placecue.logs.bags.bag_storage import STORAGES, files_of, missing_bytes, storage_of
+from placecue.logs.mcap.container import LogFile, check_channels, told_lost
 from placecue.logs.mcap.contents import Contents
-from placecue.logs.mcap.linear import describe
+from placecue.logs.mcap.linear import Damage, describe
 
 log = logging.getLogger(__name__)
 
-Reader = rosbag1.Reader | rosbag2.Reader | CutBag
+Reader = ChunkReader | rosbag2.Reader | CutBag
 
 
 class BagFile(LogFile):
@@ -58,6 +59,8 @@ class BagFile(LogFile):
         except Exception as error:  # parsers fed with damaged bytes may raise anything
             self._cut = self._salvaged(error)
             self.contents = self._contents()
+        check_channels(self.path, len(self.contents.channels))
+        self._tell_cut_storage()
 
     def messages(
         self, channels: Collection[int], since: int | None = None, until: int | None = None
@@ -83,6 +86,8 @@ class BagFile(LogFile):
                     reader.messages(wanted, since, until) if wanted else ()
                 ):
                     yield Message(connection.id, last, data, last, sequence=0)
+                if isinstance(reader, ChunkReader):
+                    self._tell_chunks(reader.damages)
         except Exception as error:  # parsers fed with damaged bytes may raise anything
             self._tell_damage(last, error)
 
@@ -98,7 +103,7 @@ class BagFile(LogFile):
         if self._cut is not None:
             return self._cut
         ros2 = self._storage.is_dir() or self._storage.suffix in STORAGES
-        return rosbag2.Reader(self._storage) if ros2 else rosbag1.Reader(self._storage)
+        return rosbag2.Reader(self._storage) if ros2 else ChunkReader(self._storage)
 
     def _contents(self) -> Contents:
         with self._open() as reader:
@@ -130,6 +135,25 @@ class BagFile(LogFile):
             f"messages over {seconds:.1f} s{place}; 'rosbag reindex' makes a whole bag of it"
         )
         return cut
+
+    def _tell_cut_storage(self) -> None:
+        """Warn where a file of a ROS 2 bag is shorter than it says itself to be."""
+        for path in files_of(self._storage):
+            missing = missing_bytes(path)
+            if missing:
+                log.warning(
+                    f"{path} is cut off: {missing} of the {missing + path.stat().st_size} bytes "
+                    "that it says to have are missing, and messages with them; what is left is read"
+                )
+
+    def _tell_chunks(self, damages: list[Damage]) -> None:
+        if damages and not self._told:
+            self._told = True
+            lost = sum(damage.lost or 0 for damage in damages)
+            log.warning(
+                f"{self.path} is damaged: {len(damages)} chunks cannot be read to their end, the "
+                f"first at byte {damages[0].offset} ({damages[0].reason}); {told_lost(lost)}"
+            )
 
     def _tell_damage(self, last: int, error: Exception) -> None:
         if not self._told:

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import IO, NamedTuple, Self
+from typing import IO, Any, NamedTuple, Self
 
 from lz4.frame import LZ4FrameDecompressor
 from mcap.exceptions import EndOfFile
@@ -22,18 +22,20 @@ from rosbags.interfaces import (
     MessageDefinitionFormat,
 )
 
+from placecue.limits import current_limits
 from placecue.logs.mcap.linear import Damage, describe
 
 Fields = dict[bytes, bytes]
 
 MAGIC_LINE = b"#ROSBAG V2.0\n"
-MESSAGE, CHUNK, CONNECTION = b"\x02", b"\x05", b"\x07"
-#: What undoes each compression; given the beginning of something, they return its beginning.
-DECOMPRESSORS: dict[bytes, Callable[[bytes], bytes]] = {
-    b"none": lambda data: data,
-    b"bz2": lambda data: BZ2Decompressor().decompress(data),
-    b"lz4": lambda data: bytes(LZ4FrameDecompressor().decompress(data)),
+MESSAGE, CHUNK, CHUNK_INFO, CONNECTION = b"\x02", b"\x05", b"\x06", b"\x07"
+#: What undoes each compression, piece by piece.
+DECOMPRESSORS: dict[bytes, Callable[[], Any]] = {
+    b"bz2": BZ2Decompressor,
+    b"lz4": LZ4FrameDecompressor,
 }
+#: Bytes that are unpacked together where a chunk is damaged.
+PIECE = 2**10
 
 
 class Held(NamedTuple):
@@ -122,25 +124,84 @@ class CutBag:
         return None
 
     def _held(self) -> Iterator[Held]:
-        """Yield the connections and messages up to the first damage."""
+        """Yield the connections and messages; past a damaged chunk it goes on with the next."""
         offset, size = len(MAGIC_LINE), self.path.stat().st_size
         with self.path.open("rb") as file:
             file.seek(offset)
             try:
-                for fields, data, whole in _records(file, size):
+                for fields, data, whole in records(file, size):
                     if fields[b"op"] == CHUNK:
-                        yield from _inside(DECOMPRESSORS[fields[b"compression"]](data), whole)
+                        yield from self._of_chunk(offset, fields, data, whole)
                     if not whole:
                         raise EndOfFile
                     offset = file.tell()
             except Exception as error:  # a parser fed with damaged bytes may raise anything
-                self.damage = Damage(offset, describe(error))
+                self._note(Damage(offset, describe(error)))
+
+    def _of_chunk(self, offset: int, fields: Fields, data: bytes, whole: bool) -> Iterator[Held]:
+        content, reason = unpacked(fields, data)
+        if reason is not None and whole:
+            self._note(Damage(offset, reason))
+        try:
+            yield from inside(content, whole and reason is None)
+        except Exception as error:  # a parser fed with damaged bytes may raise anything
+            self._note(Damage(offset, describe(error)))
+
+    def _note(self, damage: Damage) -> None:
+        self.damage = self.damage or damage
 
 
-def _inside(chunk: bytes, whole: bool) -> Iterator[Held]:
+def unpacked(fields: Fields, data: bytes) -> tuple[bytes, str | None]:
+    """Return the content of a chunk as far as it goes, and why it does not go further.
+
+    Parameters
+    ----------
+    fields : dict of bytes to bytes
+        Of the chunk's header.
+    data : bytes
+        What follows it.
+
+    Raises
+    ------
+    ValueError
+        If the compression is not known.
+    """
+    name = fields[b"compression"]
+    if name == b"none":
+        return data, None
+    if name not in DECOMPRESSORS:
+        raise ValueError(f"a chunk compressed with {name!r}, which is not known")
+    most = current_limits().chunk
+    said = _number(fields[b"size"])
+    if over := current_limits().over("chunk", said):
+        return b"", f"a chunk of {said} bytes when unpacked, {over}"
+    decoder = DECOMPRESSORS[name]()
+    try:
+        content = bytes(decoder.decompress(data, max_length=most))
+    except Exception as error:  # decoders raise their own, over damaged bytes
+        return _beginning(name, data, most), describe(error)
+    if not decoder.eof and len(content) >= most:
+        return b"", f"a chunk of more bytes when unpacked than limits.chunk={most} allows"
+    return content, None if decoder.eof else "the content of a chunk is cut"
+
+
+def _beginning(name: bytes, data: bytes, most: int) -> bytes:
+    """Return what can be unpacked before the damage."""
+    decoder, found = DECOMPRESSORS[name](), bytearray()
+    for start in range(0, len(data), PIECE):
+        try:
+            found += decoder.decompress(data[start : start + PIECE], max_length=most - len(found))
+        except Exception:  # here it breaks
+            break
+        if decoder.eof or len(found) >= most:
+            break
+    return bytes(found)
+
+
+def inside(chunk: bytes, whole: bool) -> Iterator[Held]:
     """Yield what a chunk holds; of one that is cut, what is whole."""
     try:
-        for fields, data, complete in _records(BytesIO(chunk), len(chunk)):
+        for fields, data, complete in records(BytesIO(chunk), len(chunk)):
             if not complete:
                 raise EndOfFile
             if fields[b"op"] == CONNECTION:
@@ -154,7 +215,7 @@ def _inside(chunk: bytes, whole: bool) -> Iterator[Held]:
             raise
 
 
-def _records(file: IO[bytes], size: int) -> Iterator[tuple[Fields, bytes, bool]]:
+def records(file: IO[bytes], size: int) -> Iterator[tuple[Fields, bytes, bool]]:
     """Yield header and data of each record, and whether all of its data is there."""
     while file.tell() < size:
         length = _number(_exactly(file, 4, size))

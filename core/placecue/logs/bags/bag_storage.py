@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 from placecue.errors import DataError
@@ -49,6 +50,22 @@ def files_of(storage: Path) -> list[Path]:
     if storage.is_file():
         return [storage]
     return sorted(path for path in storage.iterdir() if path.is_file())
+
+
+def missing_bytes(path: Path) -> int:
+    """Return how many bytes a sqlite file lacks by its own header; 0 for other files.
+
+    The size of a page is at byte 16, their number at 28, which is right where the counters at 24
+    and 92 agree (https://www.sqlite.org/fileformat.html, section 1.3).
+    """
+    with path.open("rb") as file:
+        head = file.read(100)
+    if len(head) < 100 or not head.startswith(SQLITE_MAGIC):
+        return 0
+    page, counter, pages = struct.unpack_from(">H6xII", head, 16)
+    (valid,) = struct.unpack_from(">I", head, 92)
+    size = (65536 if page == 1 else page) * pages
+    return max(size - path.stat().st_size, 0) if counter == valid else 0
 
 
 def _only_file(folder: Path) -> Path:

@@ -9,6 +9,7 @@ from placecue.errors import UnusableObservation
 from placecue.faults import Faults
 from placecue.logs.joining.items import Item
 from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.poses import Motion
 from placecue.logs.joining.synchronise import Match, interpolate
 from placecue.observation import Observation, Part, Pose2D
 
@@ -26,11 +27,23 @@ class Assembler:
         Labels beside the log; they take the place of those in it.
     faults : Faults
         Takes what goes wrong.
+    motion : Motion, optional
+        Transforms that give poses, or carry them to the frame that is asked for.
+    recorded : bool
+        Whether the intervals are on the recorder's clock and not on that of the stamps.
     """
 
     def __init__(
-        self, driver: Part, parts: Collection[Part], intervals: Intervals | None, faults: Faults
+        self,
+        driver: Part,
+        parts: Collection[Part],
+        intervals: Intervals | None,
+        faults: Faults,
+        motion: Motion | None = None,
+        recorded: bool = False,
     ) -> None:
+        self.motion = motion
+        self.recorded = recorded
         self.driver = driver
         self.parts = parts
         self.intervals = intervals
@@ -57,7 +70,8 @@ class Assembler:
     def label(self, match: Match) -> str | None:
         """Return the label in force, or None."""
         if self.intervals is not None:
-            return self.intervals.at(match.driver.stamp)
+            driver = match.driver
+            return self.intervals.at(driver.log_time if self.recorded else driver.stamp)
         return None if match.label is None else self._value(match.label) or None
 
     def _scan(self, match: Match) -> Any:
@@ -66,16 +80,27 @@ class Assembler:
         self._missing("scan", match)
         return None
 
+    def usable(self, item: Item) -> bool:
+        """Tell whether a pose can be used; one that cannot is counted."""
+        return self._value(item) is not None
+
     def _pose(self, match: Match) -> Pose2D | None:
-        if not match.poses:
+        stamp, motion = match.driver.stamp, self.motion
+        pose = self._joined(match)
+        if motion is not None:
+            alone = motion.from_transforms
+            pose = motion.pose(stamp) if alone else motion.carried(pose, stamp)
+        if pose is None:
             self._missing("pose", match)
-        values = [self._value(item) for item in match.poses]
-        whole: list[Pose2D] = [value for value in values if value is not None]
-        if len(whole) < 2:
-            return whole[0] if whole else None
+        return pose
+
+    def _joined(self, match: Match) -> Pose2D | None:
+        values: list[Pose2D] = [item.value() for item in match.poses]
+        if len(values) < 2:
+            return values[0] if values else None
         first, second = (item.stamp for item in match.poses)
         share = (match.driver.stamp - first) / (second - first)
-        return interpolate(whole[0], whole[1], share)
+        return interpolate(values[0], values[1], share)
 
     def _missing(self, part: Part, match: Match) -> None:
         if part in self.parts:
@@ -86,5 +111,7 @@ class Assembler:
         try:
             return item.value()
         except UnusableObservation as error:
-            self.faults.add("messages could not be used", str(error))
+            # The same label or pose may be asked for at many observations.
+            self.faults.add("messages could not be used", str(error), int(not item.spoilt))
+            item.spoilt = True
             return None

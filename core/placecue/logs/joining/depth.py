@@ -8,11 +8,12 @@ from functools import partial
 from itertools import takewhile
 from typing import Any
 
-from placecue.depth import Intrinsics, virtual_scan
+from placecue.depth import virtual_scan
 from placecue.errors import ContractError, DataError, UnusableObservation
 from placecue.guard import call
 from placecue.logs.adapters import contract
 from placecue.logs.adapters.lookup import adapter_for
+from placecue.logs.joining.camera_info import CameraInfo, camera_info
 from placecue.logs.joining.items import TopicReader
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import decoder_for
@@ -79,7 +80,7 @@ class DepthReader(TopicReader):
     topics : sequence of Topic
         All of the log; the camera's intrinsics are taken from the one with the most alike name.
     place : callable
-        Applied to each scan: the mounting of the camera.
+        Applied to each scan and its time: the mounting of the camera.
 
     Raises
     ------
@@ -92,10 +93,10 @@ class DepthReader(TopicReader):
         file: LogFile,
         topic: Topic,
         topics: Sequence[Topic],
-        place: Callable[[LaserScan], LaserScan],
+        place: Callable[[LaserScan, int], LaserScan],
     ) -> None:
-        self.intrinsics = _intrinsics(file, topic, topics)
-        super().__init__(file, topic, lambda image: place(self._scan(image)))
+        self.camera = _camera(file, topic, topics)
+        super().__init__(file, topic, lambda image, stamp: place(self._scan(image), stamp))
         self.role = "scan"
 
     def _scan(self, image: Any) -> LaserScan:
@@ -103,16 +104,18 @@ class DepthReader(TopicReader):
             raise UnusableObservation(
                 f"{self.topic.name} holds compressed depth images, which are not read"
             )
-        return virtual_scan(image.depth(), self.intrinsics)
+        depth = image.depth()
+        return virtual_scan(depth, self.camera.of_image(depth.shape[1], depth.shape[0]))
 
 
-def _intrinsics(file: LogFile, topic: Topic, topics: Sequence[Topic]) -> Intrinsics:
+def _camera(file: LogFile, topic: Topic, topics: Sequence[Topic]) -> CameraInfo:
     cameras = [each for each in topics if _kind(each) in (CAMERA_INFO, CALIBRATION)]
     cameras.sort(key=lambda each: _alike(each.name, topic.name), reverse=True)
     for camera in cameras:
-        k = _first(file, camera, _matrix)
-        if k is not None and k[0] > 0:
-            return Intrinsics(float(k[0]), float(k[2]), float(k[5]))
+        found = _first(file, camera, camera_info)
+        if found is not None:
+            described: CameraInfo = found
+            return described
     raise DataError(
         f"{file.path}: {topic.name} holds depth images but no topic the intrinsics of their "
         f"camera ({CAMERA_INFO} or {CALIBRATION}), so they give no scan: read the log without "
@@ -128,11 +131,3 @@ def _alike(one: str, other: str) -> int:
 
 def _kind(topic: Topic) -> str:
     return topic.schema.replace("/msg/", "/")
-
-
-def _matrix(message: Any) -> Any:
-    """Return the nine numbers of a camera matrix, row by row."""
-    named = ("k", "K")
-    if hasattr(message, "get"):
-        return next(filter(None, map(message.get, named)), None)
-    return next(getattr(message, name) for name in named if hasattr(message, name))

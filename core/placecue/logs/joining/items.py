@@ -10,11 +10,16 @@ from mcap.records import Message
 from placecue import contracts
 from placecue.errors import ContractError, DataError, UnusableObservation
 from placecue.guard import call
+from placecue.logs import adapters
 from placecue.logs.adapters import contract
 from placecue.logs.adapters.base import Role
 from placecue.logs.adapters.lookup import adapter_for
+from placecue.logs.adapters.texts import check_writable
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
+
+#: Clocks are one if they differ by less than this, ns: messages are recorded late, too.
+APART = 1_000_000_000
 
 
 class Item:
@@ -27,16 +32,40 @@ class Item:
     role : {"image", "scan", "pose", "label", "transform"}
         What :meth:`value` gives.
     read : callable
-        Gives the value; called once at most.
+        Gives the value; called once at most, unless it fails.
+    log_time : int, optional
+        When it was recorded, ns; its time of measurement by default.
+    stamped : bool
+        Whether the message itself said its time of measurement.
+
+    Attributes
+    ----------
+    spoilt : bool
+        Whether it was counted that there is no value.
     """
 
-    __slots__ = ("_read", "_value", "role", "stamp")
+    __slots__ = ("_read", "_value", "log_time", "role", "spoilt", "stamp", "stamped")
 
-    def __init__(self, stamp: int, role: Role, read: Callable[[], Any]) -> None:
+    def __init__(
+        self,
+        stamp: int,
+        role: Role,
+        read: Callable[[], Any],
+        log_time: int | None = None,
+        stamped: bool = True,
+    ) -> None:
         self.stamp = stamp
+        self.log_time = stamp if log_time is None else log_time
+        self.stamped = stamped
         self.role = role
         self._read: Callable[[], Any] | None = read
         self._value: Any = None
+        self.spoilt = False
+
+    @property
+    def known(self) -> bool:
+        """Whether the value has been read, and is one."""
+        return self._read is None
 
     def value(self) -> Any:
         """Return the part of an observation that the message gives.
@@ -62,7 +91,16 @@ class TopicReader:
     topic : Topic
         One that has an adapter.
     finish : callable, optional
-        Applied to each value, such as the mounting of a laser.
+        Applied to each value and its time, such as the mounting of a laser.
+
+    Attributes
+    ----------
+    shift : int
+        What brings the stamps of the topic to the clock of the drivers, ns.
+    behind : int
+        How far the clock of the drivers is behind the recorder's, ns.
+    unstamped : int
+        How many messages so far had no stamp.
 
     Raises
     ------
@@ -71,7 +109,7 @@ class TopicReader:
     """
 
     def __init__(
-        self, file: LogFile, topic: Topic, finish: Callable[[Any], Any] | None = None
+        self, file: LogFile, topic: Topic, finish: Callable[[Any, int], Any] | None = None
     ) -> None:
         adapter = adapter_for(topic.encoding, topic.schema)
         if adapter is None:
@@ -80,6 +118,9 @@ class TopicReader:
         self.adapter = adapter
         self.role: Role = adapter.role
         self.finish = finish
+        self.shift = 0
+        self.behind = 0
+        self.unstamped = 0
         self._check = contract.VALUES[adapter.role]
         contents = file.contents
         channels = {number: contents.channels[number] for number in topic.channels}
@@ -97,21 +138,62 @@ class TopicReader:
         UnusableObservation
             If not even its time can be read.
         """
+        if self._peek is None:
+            said, decoded = self.stamp(message)
+        else:
+            try:
+                said, decoded = self._peek(message.data), None
+            except Exception as error:  # damaged bytes
+                raise self._unusable(message.log_time, error) from error
+        log_time = message.log_time
+        stamped = said > 0
+        stamp = said + self.shift if stamped else self._guessed(log_time)
+        return Item(
+            stamp,
+            self.role,
+            lambda: self._value(message, stamp, decoded),
+            log_time,
+            stamped,
+        )
+
+    def _guessed(self, log_time: int) -> int:
+        """Return the time of a message without a stamp; that of a label is the recorder's."""
+        if self.role == "label":
+            return log_time
+        stamp = self.timed(0, log_time)
+        self.unstamped += stamp != 0
+        return stamp
+
+    def stamp(self, message: Message) -> tuple[int, Any]:
+        """Return what a message says of its time, ns, and the message decoded if that took it.
+
+        Raises
+        ------
+        UnusableObservation
+            If not even its time can be read.
+        """
         try:
             if self._peek is not None:
-                stamp = self._peek(message.data)
-                decoded = None
-            else:
-                decoded = self._decode[message.channel_id](message.data)
-                stamp = call(self.adapter, "stamp", decoded, check=contracts.stamp)
-                if not contracts.fits(stamp):
-                    raise OverflowError(f"a stamp of {stamp} ns")
-        except ContractError:
-            raise
+                return self._peek(message.data), None
+            decoded = self._decode[message.channel_id](message.data)
+            stamp: int = call(self.adapter, "stamp", decoded, check=contracts.stamp)
+            if not contracts.fits(stamp):
+                raise OverflowError(f"a stamp of {stamp} ns")
+            return stamp, decoded
         except Exception as error:  # decoders raise anything over damaged bytes
+            if self._breaks_promise(error):
+                raise
             raise self._unusable(message.log_time, error) from error
-        stamp = stamp if stamp > 0 else message.log_time
-        return Item(stamp, self.role, lambda: self._value(message, stamp, decoded))
+
+    def timed(self, stamp: int, log_time: int) -> int:
+        """Return a stamp on the clock of the drivers; where there is none, from the log time.
+
+        A stamp of 0 is one where that clock began when the message was recorded.
+        """
+        if stamp > 0:
+            return stamp + self.shift
+        guess = log_time - self.behind
+        return 0 if self.behind and abs(guess) < APART else guess
 
     def decoded(self, message: Message) -> Any:
         """Return a message with its fields.
@@ -132,11 +214,19 @@ class TopicReader:
                 decoded = self._decode[message.channel_id](message.data)
             origin = f"{self.topic.name} at stamp {stamp}"
             value = call(self.adapter, "value", decoded, origin, check=self._check)
-        except (UnusableObservation, ContractError):
+            check_writable(value)
+            return value if self.finish is None else self.finish(value, stamp)
+        except UnusableObservation:
             raise
         except Exception as error:  # decoders raise anything over damaged bytes
+            if self._breaks_promise(error):
+                raise
             raise self._unusable(stamp, error) from error
-        return value if self.finish is None else self.finish(value)
+
+    def _breaks_promise(self, error: Exception) -> bool:
+        """Tell whether an adapter is to blame; of our own we know that it is the message."""
+        ours = type(self.adapter).__module__.startswith(f"{adapters.__name__}.")
+        return isinstance(error, ContractError) and not ours
 
     def _unusable(self, stamp: int, error: Exception) -> UnusableObservation:
         reason = " ".join(str(error).split()) or type(error).__name__

@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
+from mcap.records import Message
+
 from placecue.errors import UnusableObservation
 from placecue.faults import Faults
 from placecue.logs.joining.assemble import Assembler
+from placecue.logs.joining.frames import TransformReader
 from placecue.logs.joining.items import Item, TopicReader
 from placecue.logs.joining.labels import Intervals
+from placecue.logs.joining.poses import Motion
 from placecue.logs.joining.silence import Silence
 from placecue.logs.joining.synchronise import Match, Synchroniser
 from placecue.logs.mcap.container import LogFile
 from placecue.observation import Observation, Part
+
+#: So long before the part that is read, transforms are read too, ns.
+BEFORE = 5_000_000_000
 
 
 class Reading:
@@ -35,6 +42,12 @@ class Reading:
         First log time to read, and the one to stop before, ns.
     silence : Silence or None
         When the camera counts as silent, so that scans make the observations.
+    motion : Motion, optional
+        Takes transforms, where something that is needed moves.
+    recorded : bool
+        Whether the intervals are on the recorder's clock.
+    faults : Faults, optional
+        Takes what goes wrong.
 
     Attributes
     ----------
@@ -55,17 +68,27 @@ class Reading:
         until: int | None = None,
         *,
         silence: Silence | None = None,
+        motion: Motion | None = None,
+        recorded: bool = False,
+        faults: Faults | None = None,
     ) -> None:
+        self.motion = motion
         self.file = file
         self.readers = {number: reader for reader in readers for number in reader.topic.channels}
         self.since = since
         self.until = until
-        self.faults = Faults(str(file.path))
+        self.faults = Faults(str(file.path)) if faults is None else faults
         roles = {reader.role for reader in readers}
         followers: list[Part] = [p for p in ("scan", "pose") if p != driver and p in roles]
         spans = (round(seconds * 1e9) for seconds in (tolerance, window, pose_gap))
-        self._synchroniser = Synchroniser(driver, followers, *spans, silence=silence)
-        self._assembler = Assembler(driver, followers, intervals, self.faults)
+        parts: list[Part] = [*followers, "pose"] if motion and motion.from_transforms else followers
+        assembler = Assembler(driver, parts, intervals, self.faults, motion, recorded)
+        self._assembler = assembler
+        moving = motion if any(reader.role == "transform" for reader in readers) else None
+        self._moving = moving
+        self._synchroniser = Synchroniser(
+            driver, followers, *spans, silence=silence, usable=assembler.usable, motion=moving
+        )
 
     def observations(self) -> Iterator[Observation]:
         """Yield the observations in order of time."""
@@ -84,6 +107,7 @@ class Reading:
             yield from synchroniser.push(item)
         yield from synchroniser.finish()
         self._tell_of_time()
+        self._tell_of_transforms()
 
     def _tell_of_time(self) -> None:
         synchroniser, drivers = self._synchroniser, f"{self._synchroniser.driver}s"
@@ -101,13 +125,34 @@ class Reading:
             kind = f"{drivers} have the stamp of the one before"
             self.faults.add(kind, at["repeated"], synchroniser.repeated)
 
-    def _items(self) -> Iterator[Item]:
+    def _tell_of_transforms(self) -> None:
+        for reader in dict.fromkeys(self.readers.values()):
+            if reader.unstamped:
+                kind = "messages have no stamp and go by their log time"
+                self.faults.add(kind, f"of {reader.topic.name}", reader.unstamped)
+        if self._moving is not None:
+            self.faults.join(self._moving.buffer.faults)
+
+    def _past(self) -> Iterator[Message]:
+        """Yield what holds when the reading begins: labels, and the transforms just before."""
+        if self.since is None:
+            return
         labels = [number for number, reader in self.readers.items() if reader.role == "label"]
-        past = labels if self.since is not None else []  # what holds when the reading begins
-        before = self.file.messages(past, until=self.since) if past else ()
-        for message in chain(before, self.file.messages(self.readers, self.since, self.until)):
+        moved = [n for n, reader in self.readers.items() if reader.role == "transform"]
+        if labels:
+            yield from self.file.messages(labels, until=self.since)
+        if moved:
+            yield from self.file.messages(moved, max(self.since - BEFORE, 0), self.since)
+
+    def _items(self) -> Iterator[Item]:
+        messages = self.file.messages(self.readers, self.since, self.until)
+        for message in chain(self._past(), messages):
+            reader = self.readers[message.channel_id]
             try:
-                item = self.readers[message.channel_id].item(message)
+                if isinstance(reader, TransformReader) and self.motion is not None:
+                    reader.take_in(message, self.motion.buffer)
+                    continue
+                item = reader.item(message)
             except UnusableObservation as error:
                 self.faults.add("messages could not be used", str(error))
                 continue

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import heapq
 from bisect import bisect_right, insort
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import pi
 
 from placecue.logs.joining.clock import Clock
 from placecue.logs.joining.items import Item
+from placecue.logs.joining.poses import Motion
 from placecue.logs.joining.silence import Silence
 from placecue.observation import Part, Pose2D
 
@@ -51,6 +52,12 @@ class Track:
         dropped = self.items[kept:]
         del self.items[kept:]
         return dropped[-1] if dropped else None
+
+    def drop(self, item: Item) -> None:
+        """Drop an item that turned out to be useless."""
+        self.items.remove(item)
+        if self.newest == item.stamp:
+            self.newest = self.items[-1].stamp if self.items else None
 
     def around(self, stamp: int) -> tuple[Item | None, Item | None]:
         """Return the last item at or before a time and the first one after it."""
@@ -115,6 +122,10 @@ class Synchroniser:
         How far apart two poses may be to interpolate between them, ns.
     silence : Silence or None
         When the drivers count as silent; None: scans never stand in.
+    usable : callable, optional
+        Tells whether a pose can be used; others are dropped, so that its neighbours are joined.
+    motion : Motion, optional
+        Transforms to wait for, too.
 
     Attributes
     ----------
@@ -139,7 +150,11 @@ class Synchroniser:
         pose_gap: int,
         *,
         silence: Silence | None = None,
+        usable: Callable[[Item], bool] = lambda item: True,
+        motion: Motion | None = None,
     ) -> None:
+        self.usable = usable
+        self.motion = motion
         self.driver = driver
         self.followers = tuple(followers)
         self.tolerance = tolerance
@@ -152,6 +167,7 @@ class Synchroniser:
         self.first: dict[str, int] = {}
         self._clock = Clock(window)
         self._tracks: dict[str, Track] = {part: Track() for part in (*self.followers, "label")}
+        self._recorded = Track()  # labels that have the recorder's time alone
         self._waiting: list[tuple[int, int, Item]] = []  # stamp, running number, driver
         self._number = 0
         self._silence = silence
@@ -159,6 +175,8 @@ class Synchroniser:
         self._quiet: int | None = None  # since when there is no image: the last one
         self._taken: int | None = None  # the last image, or scan that stood in
         self._last: int | None = None
+        # A time, and the poses next to it that can be used.
+        self._beside: tuple[int | None, Item | None, Item | None] = (None, None, None)
 
     def push(self, item: Item) -> Iterator[Match]:
         """Take in an item and yield the matches that it completes."""
@@ -171,6 +189,9 @@ class Synchroniser:
                 self._seen_again(max(each.stamp for each in tick.items), self._silence)
             for each in tick.items:
                 self._wait(each)
+        elif item.role == "label" and not item.stamped:
+            self._recorded.add(item)
+            return  # its time is the recorder's, and says nothing of the drivers' clock
         else:
             self._tracks[item.role].add(item)
             if item.role == "scan" and self._silence is not None:
@@ -241,12 +262,38 @@ class Synchroniser:
                 dropped = track.forget_after(since + self.window)
                 if track is label and dropped is not None and not label.around(since)[0]:
                     label.add(Item(since, "label", dropped.value))
+            if self.motion is not None:
+                self.motion.buffer.forget_after(since + self.window)
         self._last = None
 
     def _ready(self, stamp: int, now: int) -> bool:
         if now - stamp >= self.window:
             return True
-        return all(self._tracks[part].reaches(stamp) for part in self.followers)
+        if self.motion is not None and not self.motion.reaches(stamp):
+            return False
+        if not all(self._tracks[part].reaches(stamp) for part in self.followers):
+            return False
+        poses = self._tracks.get("pose")
+        if poses is None:
+            return True
+        beside = self._usable_around(poses, stamp)
+        if not poses.reaches(stamp):
+            return False
+        self._beside = stamp, *beside  # nothing comes in before it is used
+        return True
+
+    def _usable_around(self, poses: Track, stamp: int) -> tuple[Item | None, Item | None]:
+        """Return the poses before and after a time, without those that cannot be used."""
+        while True:
+            before, after = poses.around(stamp)
+            if before is not None and not (before.known or self.usable(before)):
+                poses.drop(before)
+            elif before is not None and before.stamp == stamp:
+                return before, after
+            elif after is not None and not (after.known or self.usable(after)):
+                poses.drop(after)
+            else:
+                return before, after
 
     def _pop(self) -> Iterator[Match]:
         stamp, _, item = heapq.heappop(self._waiting)
@@ -262,14 +309,26 @@ class Synchroniser:
             item,
             None if scan is None else scan.nearest(stamp, self.tolerance),
             self._poses(stamp),
-            self._tracks["label"].around(stamp)[0],
+            self._label(item),
         )
+
+    def _label(self, driver: Item) -> Item | None:
+        """Return the label in force: by the recorder's clock where labels have no other."""
+        stamped = self._tracks["label"].around(driver.stamp)[0]
+        if not self._recorded.items:
+            return stamped
+        recorded = self._recorded.around(driver.log_time)[0]
+        if stamped is None or recorded is None:
+            return stamped or recorded
+        return max(stamped, recorded, key=lambda each: each.log_time)
 
     def _poses(self, stamp: int) -> tuple[Item, ...]:
         track = self._tracks.get("pose")
         if track is None:
             return ()
-        before, after = track.around(stamp)
+        (known, before, after), self._beside = self._beside, (None, None, None)
+        if known != stamp:
+            before, after = self._usable_around(track, stamp)
         if before is not None and after is not None:
             if before.stamp == stamp:
                 return (before,)
@@ -284,6 +343,11 @@ class Synchroniser:
             oldest = min(oldest, self._waiting[0][0])
         for track in self._tracks.values():
             track.forget_before(oldest - self.tolerance)
+        if self.motion is not None:
+            self.motion.buffer.forget_before(oldest - self.tolerance - self.pose_gap)
+        if len(self._recorded.items) >= FEW:
+            times = [item.log_time for _, _, item in self._waiting]
+            self._recorded.forget_before(min(times, default=0))
 
 
 def interpolate(before: Pose2D, after: Pose2D, share: float) -> Pose2D:

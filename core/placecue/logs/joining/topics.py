@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,7 +13,42 @@ from placecue.observation import PARTS, Part
 
 #: A std_msgs/String topic is taken as labels unasked only where its name has one of these words:
 #: logs are full of other strings (robot descriptions, speech, status).
-LABEL_WORDS = ("label", "place", "room")
+LABEL_WORDS = {"label", "labels", "place", "places", "room", "rooms"}
+#: Words that may follow as a step of their own: ``/room/name``.
+FOLLOWING = {"name", "current", "class", "category", "data", "text", "value", "id", "raw"}
+#: Words of names that have such a word and are no labels: ``/pick_and_place``, ``/place/goal``.
+NO_LABEL_WORDS = frozenset(
+    {
+        "pick",
+        "and",
+        "drop",
+        "object",
+        "objects",
+        "grasp",
+        "gripper",
+        "item",
+        "status",
+        "state",
+        "action",
+        "goal",
+        "result",
+        "feedback",
+        "command",
+        "cmd",
+        "error",
+        "log",
+        "marker",
+        "markers",
+        "light",
+        "temperature",
+        "service",
+        "server",
+        "request",
+        "response",
+        "speech",
+        "chat",
+    }
+)
 
 #: What else may give a part, where it is asked for or there is nothing better.
 STAND_INS: Mapping[str, tuple[str, ...]] = {"pose": ("transform",), "scan": ("depth",)}
@@ -37,11 +73,14 @@ class Choice:
         One topic; none where the part is missing; several where a pose comes from transforms.
     reason : str
         Why, in a few words.
+    others : tuple of Topic
+        What could give it too, and was not taken.
     """
 
     part: Part
     topics: tuple[Topic, ...]
     reason: str
+    others: tuple[Topic, ...] = ()
 
     @property
     def topic(self) -> Topic | None:
@@ -88,23 +127,36 @@ def choose(part: Part, topics: Sequence[Topic], wanted: str | None, where: str) 
     """
     if wanted is not None:
         return _wanted(part, topics, wanted, where)
-    candidates = [topic for topic in topics if _is_candidate(part, topic)]
+    candidates = [topic for topic in topics if is_candidate(part, topic)]
+    others = tuple(t for t in topics if role_of(t) == part and t.count and t not in candidates)
     if len(candidates) == 1:
-        return Choice(part, tuple(candidates), f"the only {part} topic")
+        return Choice(part, tuple(candidates), f"the only {part} topic", others)
     if candidates:
-        raise UsageError(
-            f"{where} has {len(candidates)} topics with {WORDS[part]}: {_listed(candidates)}; "
-            f"choose one, such as source.{part}_topic={_largest(candidates).name}"
-        )
+        raise ambiguous(part, candidates, where)
     seen = [topic for topic in topics if part == "scan" and role_of(topic) == "depth"]
     if len(seen) == 1:
         return Choice(part, tuple(seen), "a virtual scan of depth images, as there is no laser")
     if seen:
         return Choice(part, (), f"several depth topics, name one: source.scan_topic={seen[0].name}")
-    moving = [t for t in transforms(topics) if part == "pose" and "static" not in t.name]
-    if moving:
-        return Choice(part, tuple(moving), "transforms, as there is no pose topic")
+    if others:
+        names = ", ".join(topic.name for topic in others)
+        reason = f"no {part} topic by its name; there are {names}: name one, source.{part}_topic="
+        return Choice(part, (), reason, others)
     return Choice(part, (), f"no {part} topic")
+
+
+def ambiguous(part: Part, candidates: Sequence[Topic], where: str) -> UsageError:
+    """Return the question which of several topics to take."""
+    return UsageError(
+        f"{where} has {len(candidates)} topics with {WORDS[part]}: {_listed(candidates)}; "
+        f"choose one, such as source.{part}_topic={_largest(candidates).name}"
+    )
+
+
+def words_of(step: str) -> set[str]:
+    """Return the words of one step of a name, in small letters: ``roomName`` has two."""
+    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", step)
+    return {word for word in re.split(r"[^a-z]+", spaced.lower()) if word}
 
 
 def _wanted(part: Part, topics: Sequence[Topic], wanted: str, where: str) -> Choice:
@@ -127,11 +179,20 @@ def _wanted(part: Part, topics: Sequence[Topic], wanted: str, where: str) -> Cho
     return Choice(part, (max(fitting, key=lambda topic: topic.count or 0),), "asked for")
 
 
-def _is_candidate(part: Part, topic: Topic) -> bool:
+def is_candidate(part: Part, topic: Topic) -> bool:
+    """Tell whether a topic may be taken for a part by itself, as far as its schema and name go."""
     if role_of(topic) != part or topic.count == 0:
         return False
-    is_text = topic.schema.endswith("String")
-    return not is_text or any(word in topic.name.lower() for word in LABEL_WORDS)
+    return not topic.schema.endswith("String") or _names_labels(topic.name)
+
+
+def _names_labels(name: str) -> bool:
+    steps = [words_of(step) for step in name.split("/") if step]
+    if any(step & NO_LABEL_WORDS for step in steps):
+        return False
+    if len(steps) > 1 and steps[-1] <= FOLLOWING:
+        steps.pop()
+    return bool(steps) and bool(steps[-1] & LABEL_WORDS)
 
 
 def _listed(topics: Sequence[Topic]) -> str:

@@ -11,6 +11,8 @@ from typing import IO, Any
 import lz4.frame
 import zstandard
 
+from placecue.limits import current_limits
+
 #: Times of the first and last message, size and checksum of the content, length of a name.
 FIELDS = struct.Struct("<QQQII")
 LENGTH = struct.Struct("<Q")
@@ -18,12 +20,20 @@ COMPRESSIONS = ("", "lz4", "zstd")
 LONGEST_NAME = 32
 #: A byte of lz4 cannot stand for more than this.
 LZ4_MOST = 256
+#: Larger contents are not kept: what they cost is not the asking for memory.
+KEPT = 2**24
+#: Bytes that are salvaged from a chunk that says to be larger than chunks may be.
+SALVAGED = 2**26
 
 Decoder = Callable[[], Any]
 STREAMS: dict[str, Decoder] = {
     "zstd": lambda: zstandard.ZstdDecompressor().decompressobj(),
     "lz4": lz4.frame.LZ4FrameDecompressor,
 }
+
+
+class TooLarge(ValueError):
+    """A chunk is larger, unpacked, than chunks may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,19 +112,29 @@ class ContentReader:
         ------
         Exception
             Nearly anything, where it is damaged; ValueError where sizes or checksum differ.
+        TooLarge
+            If it would take more memory than a chunk may.
         """
+        check_size(head.size)
         self.file.seek(head.content)
         data = self.file.read(head.length)
         if len(data) != head.length:
             raise ValueError("the file ends in the middle of a chunk")
         content = _uncompressed(data, head)
-        self._kept = (data, content)
+        self._kept = (data, content) if len(content) <= KEPT else (b"", b"")
         if len(content) != head.size:
             raise ValueError(f"a chunk of {len(content)} bytes that is said to have {head.size}")
         if head.crc and head.content not in self.sound and zlib.crc32(content) != head.crc:
             raise ValueError("a chunk does not match its checksum")
         self.sound.add(head.content)
         return content
+
+
+def check_size(size: int) -> None:
+    """Raise TooLarge where a chunk of so many bytes, unpacked, is more than chunks may have."""
+    over = current_limits().over("chunk", size)
+    if over:
+        raise TooLarge(f"a chunk of {size} bytes when unpacked, {over}")
 
 
 def _uncompressed(data: bytes, head: ChunkHead) -> bytes:
@@ -132,12 +152,11 @@ def _uncompressed(data: bytes, head: ChunkHead) -> bytes:
     return data
 
 
-def salvage(
-    file: IO[bytes], head: ChunkHead, most: int = 2**28, piece: int = 2**12
-) -> tuple[bytes, int]:
+def salvage(file: IO[bytes], head: ChunkHead, piece: int = 2**12) -> tuple[bytes | bytearray, int]:
     """Return as much of a damaged or cut chunk's content as can be uncompressed, and its end.
 
     The compressed stream itself says where it ends, so the length in the head is not relied on.
+    No more is uncompressed than the head says, or than 64 MiB where it says too much.
 
     Parameters
     ----------
@@ -145,8 +164,6 @@ def salvage(
         The log.
     head : ChunkHead
         Of a compressed chunk.
-    most : int
-        Bytes to stop at.
     piece : int
         Bytes that are uncompressed together.
 
@@ -158,18 +175,22 @@ def salvage(
         Where in the file the stream ends or breaks.
     """
     make = STREAMS[head.compression]
-    decoder, found, size = make(), [], 0
+    decoder, found = make(), bytearray()
+    most = SALVAGED if current_limits().over("chunk", head.size) else max(head.size, SALVAGED)
     at = head.content
     file.seek(at)
-    while size < most and not decoder.eof and (data := file.read(piece)):
+    while len(found) < most and not decoder.eof and (data := file.read(piece)):
         try:
-            found.append(decoder.decompress(data))
+            found += decoder.decompress(data)
         except Exception:  # decoders raise their own, over damaged bytes
             last, at = _last_blocks(make, file, head.content, at, piece)
-            return b"".join([*found, last])[:most], at
-        size += len(found[-1])
+            found += last
+            break
         at += len(data)
-    return b"".join(found)[:most], at - len(decoder.unused_data or b"")
+    else:
+        at -= len(decoder.unused_data or b"")
+    del found[most:]
+    return found, at
 
 
 def _last_blocks(

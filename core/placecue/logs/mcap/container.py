@@ -12,6 +12,7 @@ from pathlib import Path
 from mcap.records import ChunkIndex, McapRecord, Message
 
 from placecue.errors import DataError
+from placecue.limits import current_limits
 from placecue.logs.mcap import indexed, linear
 from placecue.logs.mcap.contents import Contents, read_contents
 from placecue.logs.mcap.linear import MAGIC, Damage
@@ -80,8 +81,11 @@ class LogFile:
         self.contents: Contents = read_contents(self.path, self.size)
         self._told_of_chunks = False
         self._sound: set[int] = set()
+        check_channels(self.path, len(self.contents.channels))
         if self.contents.damage is not None:
             self._tell_cut(self.contents.damage, (self.contents.counts or Counter()).total())
+        elif self.contents.lost or self.contents.absent:
+            self._tell_absent()
 
     def topics(self) -> list[Topic]:
         """Return the topics in order of name; one that changes its schema appears twice."""
@@ -150,9 +154,18 @@ class LogFile:
             known = None if None in lost else sum(each or 0 for each in lost)
             log.warning(
                 f"{self.path}: {len(damaged)} of {len(self.contents.chunks)} chunks are damaged, "
-                f"the first at byte {damaged[0].offset} ({damaged[0].reason}); {_lost(known)}, "
+                f"the first at byte {damaged[0].offset} ({damaged[0].reason}); {told_lost(known)}, "
                 "and what is left of them may be wrong"
             )
+
+    def _tell_absent(self) -> None:
+        contents = self.contents
+        chunks = f"{contents.absent} chunks" if contents.absent != 1 else "a chunk"
+        what = f"{chunks} that its summary names" if contents.absent else "messages that it names"
+        log.warning(
+            f"{self.path}: {what} cannot be found, as if cut out; {told_lost(contents.lost)}, "
+            "and the rest is read"
+        )
 
     def _tell_cut(self, damage: Damage, messages: int) -> None:
         contents = self.contents
@@ -167,11 +180,25 @@ class LogFile:
         log.warning(
             f"{self.path} is cut off or damaged: read {messages} messages over {seconds:.1f} s, "
             f"but not at {place}{f' and in {more} places behind it' if more else ''}; "
-            f"{_lost(contents.lost)}; 'mcap recover' makes a whole file of what is left"
+            f"{told_lost(contents.lost)}; 'mcap recover' makes a whole file of what is left"
         )
 
 
-def _lost(count: int | None) -> str:
+def check_channels(path: Path, count: int) -> None:
+    """Refuse a log with more channels than logs may have.
+
+    Raises
+    ------
+    DataError
+        If it has too many.
+    """
+    over = current_limits().over("channels", count)
+    if over:
+        raise DataError(f"{path} has {count} channels, {over}")
+
+
+def told_lost(count: int | None) -> str:
+    """Say how many messages are lost; None is an unknown number."""
     if count is None:
         return "how many messages are lost is not known"
     return f"{count or 'no'} message{'s are' if count != 1 else ' is'} lost"

@@ -17,6 +17,7 @@ from mcap.records import (
     Header,
     McapRecord,
     Message,
+    MessageIndex,
     Metadata,
     Schema,
     Statistics,
@@ -53,6 +54,11 @@ class Contents:
     said : int or None
         How many messages the file should hold by its own statistics, where it was looked through
         and has them.
+    indexed : Counter of int
+        How many messages by channel id the indexes behind the chunks name, where it was looked
+        through.
+    absent : int
+        How many chunks the summary names beyond those that are there, where it was looked through.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -65,6 +71,8 @@ class Contents:
     profile: str = ""
     damages: list[Damage] = field(default_factory=list)
     said: int | None = None
+    indexed: Counter[int] = field(default_factory=Counter)
+    absent: int = 0
 
     @property
     def damage(self) -> Damage | None:
@@ -73,10 +81,13 @@ class Contents:
 
     @property
     def lost(self) -> int | None:
-        """How many messages a damaged file has lost, where its statistics are left to tell."""
-        if self.said is None or self.counts is None:
+        """How many messages a file has lost, where statistics or indexes are left to tell."""
+        if self.counts is None:
             return None
-        return max(self.said - self.counts.total(), 0)
+        missing = (self.indexed - self.counts).total()
+        if self.said is None:
+            return missing or None
+        return max(self.said - self.counts.total(), missing, 0)
 
 
 def read_contents(path: Path, size: int) -> Contents:
@@ -161,9 +172,18 @@ def _matches_checksum(file: IO[bytes], size: int) -> bool:
 def _survey(path: Path, size: int) -> Contents:
     """Look through the whole file and note what is in it."""
     found = Contents(counts=Counter())
+    chunks, named = 0, set()
+
+    def count() -> None:
+        nonlocal chunks
+        chunks += 1
+
     with path.open("rb") as file:
-        for record in linear.records(file, size, found.damages.append):
+        for record in linear.records(file, size, found.damages.append, on_chunk=count):
             _take_in(found, record)
+            if isinstance(record, ChunkIndex):
+                named.add(record.chunk_start_offset)
+    found.absent = max(len(named) - chunks, 0)
     return found
 
 
@@ -174,6 +194,8 @@ def _take_in(found: Contents, record: McapRecord) -> None:
         found.counts[record.channel_id] += 1
         found.start = record.log_time if first else min(found.start, record.log_time)
         found.end = max(found.end, record.log_time)
+    elif isinstance(record, MessageIndex):
+        found.indexed[record.channel_id] += len(record.records)
     elif isinstance(record, Schema):
         found.schemas.setdefault(record.id, record)
     elif isinstance(record, Channel):

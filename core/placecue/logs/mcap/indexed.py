@@ -12,7 +12,13 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import ChunkIndex, McapRecord, Message, MessageIndex
 
-from placecue.logs.mcap.chunks import ChunkHead, ContentReader, read_head, salvage
+from placecue.logs.mcap.chunks import (
+    ChunkHead,
+    ContentReader,
+    TooLarge,
+    read_head,
+    salvage,
+)
 from placecue.logs.mcap.framing import HEAD, split
 from placecue.logs.mcap.linear import Damage, OnDamage, describe, messages_of, within
 
@@ -87,7 +93,7 @@ def _chunk(
     try:
         return _wanted(split(contents.content(_head(file, index)), channels), channels)
     except Exception as error:  # a parser fed with damaged bytes may raise anything
-        found = _salvaged(file, index, channels)
+        found = [] if isinstance(error, TooLarge) else _salvaged(file, index, channels)
         held = times(file, index)
         lost = None
         if held is not None:
@@ -121,7 +127,7 @@ def _salvaged(file: IO[bytes], index: ChunkIndex, channels: Collection[int]) -> 
     )
     try:
         if head.compression:
-            data, _ = salvage(file, head)
+            data: bytes | bytearray = salvage(file, head)[0]
         else:
             file.seek(content)
             data = file.read(head.length)

@@ -11,6 +11,7 @@ from typing import IO
 from mcap.opcode import Opcode
 from mcap.records import Channel, McapRecord, Message
 
+from placecue.limits import current_limits
 from placecue.logs.mcap.chunks import ChunkHead, ContentReader, read_head, salvage
 from placecue.logs.mcap.framing import FOOTER_LENGTH, HEAD, KNOWN, PRIVATE, parse, split
 
@@ -48,7 +49,11 @@ OnDamage = Callable[[Damage], None]
 
 
 def records(
-    file: IO[bytes], size: int, on_damage: OnDamage, channels: Collection[int] = ()
+    file: IO[bytes],
+    size: int,
+    on_damage: OnDamage,
+    channels: Collection[int] = (),
+    on_chunk: Callable[[], None] = lambda: None,
 ) -> Iterator[McapRecord]:
     """Yield every record in the order of the file, those inside chunks too.
 
@@ -66,11 +71,15 @@ def records(
         Called for each damaged place.
     channels : collection of int
         Ids of channels that are known to exist, beside those that the records name.
+    on_chunk : callable
+        Called for each chunk, sound or damaged.
     """
-    yield from _Walk(file, size, on_damage, channels).records(len(MAGIC))
+    walk = _Walk(file, size, on_damage, channels)
+    walk.on_chunk = on_chunk
+    yield from walk.records(len(MAGIC))
 
 
-def messages_of(content: bytes, channels: Collection[int] = ()) -> Iterator[McapRecord]:
+def messages_of(content: bytes | bytearray, channels: Collection[int] = ()) -> Iterator[McapRecord]:
     """Yield what can be read of a damaged chunk's uncompressed content."""
     walk = _Walk(BytesIO(content), len(content), lambda damage: None, channels, inside=True)
     return walk.records(0)
@@ -100,6 +109,7 @@ class _Walk:
         self.on_damage = on_damage
         self.channels = set(channels)
         self.inside = inside
+        self.on_chunk: Callable[[], None] = lambda: None
 
     def records(self, at: int) -> Iterator[McapRecord]:
         """Yield the records from a place on."""
@@ -151,11 +161,15 @@ class _Walk:
         return found, end
 
     def _content(self, at: int, opcode: int, length: int) -> Iterator[McapRecord]:
+        if opcode == Opcode.ATTACHMENT and (over := current_limits().over("file", length)):
+            raise ValueError(f"an attachment of {length} bytes, {over}")
         if opcode == Opcode.CHUNK:
             head = read_head(self.file, at + HEAD.size)
             if head.content + head.length != at + HEAD.size + length:
                 raise ValueError("the length of a chunk is wrong")
-            return iter(list(split(self.contents.content(head))))
+            found = list(split(self.contents.content(head)))
+            self.on_chunk()
+            return iter(found)
         self.file.seek(at + HEAD.size)
         record = parse(opcode, self.file.read(length))
         return iter(() if record is None else (record,))
@@ -180,10 +194,13 @@ class _Walk:
     ) -> tuple[Iterator[McapRecord], int | None]:
         """Read what there is of a damaged or cut chunk."""
         self._tell(at, reason)
+        self.on_chunk()
         try:
             head = read_head(self.file, at + HEAD.size)
         except (ValueError, struct.error):
             return iter(()), self._search(at + 1) if end is None else end
+        if end is not None and current_limits().over("chunk", head.size):
+            return iter(()), end
         if not head.compression:
             return iter(()), head.content  # its records are read as if there were no chunk
         content, broken = salvage(self.file, head)
@@ -225,6 +242,8 @@ class _Walk:
             if opcode == Opcode.CHUNK:
                 chunk = read_head(self.file, at + HEAD.size)
                 return chunk.content + chunk.length == end
+            if opcode == Opcode.ATTACHMENT:
+                return end != self.size
             self.file.seek(at + HEAD.size)
             record = parse(opcode, self.file.read(length))
         except Exception:  # a parser fed with anything may raise anything

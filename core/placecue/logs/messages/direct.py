@@ -66,6 +66,15 @@ class Image(NamedTuple):
     data: bytes
 
 
+class Region(NamedTuple):
+    """sensor_msgs/RegionOfInterest, without its flag."""
+
+    x_offset: int
+    y_offset: int
+    height: int
+    width: int
+
+
 class CameraInfo(NamedTuple):
     """sensor_msgs/CameraInfo, as far as a pinhole camera goes."""
 
@@ -73,6 +82,9 @@ class CameraInfo(NamedTuple):
     height: int
     width: int
     k: tuple[float, ...]
+    binning_x: int
+    binning_y: int
+    roi: Region
 
 
 class Vector(NamedTuple):
@@ -173,7 +185,10 @@ def _camera_info(cursor: Cursor) -> CameraInfo:
     header, (height, width) = _header(cursor), cursor.numbers("I", 2)
     cursor.text()  # model of the distortion
     cursor.skip_array("d")
-    return CameraInfo(header, height, width, cursor.numbers("d", 9))
+    matrix = cursor.numbers("d", 9)
+    cursor.skip("d", 9 + 12)  # rectification, projection
+    across, down, *region = cursor.numbers("I", 6)
+    return CameraInfo(header, height, width, matrix, across, down, Region(*region))
 
 
 def _pose(cursor: Cursor) -> Pose:

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, sin
+from math import acos, atan2, cos, hypot, isfinite, sin
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from placecue.observation import Pose2D
 
 Matrix = NDArray[np.float64]
+Quaternion: TypeAlias = tuple[float, float, float, float]
+
+NO_TURN: Quaternion = (0.0, 0.0, 0.0, 1.0)
+#: Quaternions shorter than this are zero.
+SHORTEST = 1e-6
+#: No robot is farther from any origin than once around the Earth, m.
+FARTHEST = 4.1e7
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +32,7 @@ class Transform:
     translation : tuple of 3 floats
         Origin of the child in the parent, m.
     rotation : tuple of 4 floats
-        Quaternion x, y, z, w.
+        Quaternion x, y, z, w; of any length.
     stamp : int
         Time, ns.
     """
@@ -33,21 +40,66 @@ class Transform:
     parent: str
     child: str
     translation: tuple[float, float, float]
-    rotation: tuple[float, float, float, float]
+    rotation: Quaternion
     stamp: int = 0
 
     def matrix(self) -> Matrix:
         """Return the homogeneous matrix that takes child coordinates to the parent, (4, 4)."""
-        result = np.eye(4)
-        if any(self.rotation):  # all zeros is what an unset message holds: no rotation
-            result[:3, :3] = Rotation.from_quat(self.rotation).as_matrix()
-        result[:3, 3] = self.translation
-        return result
+        return rigid(self.translation, self.rotation)
+
+    def fault(self) -> str | None:
+        """Return why the transform says nothing, in a few words; None where it is sound."""
+        if not self.parent or not self.child or self.parent == self.child:
+            return f"it joins '{self.parent}' to '{self.child}'"
+        if not all(map(isfinite, (*self.translation, *self.rotation))):
+            return "it is not finite"
+        if max(map(abs, self.translation)) > FARTHEST:
+            return f"it lies {max(map(abs, self.translation)):g} m away"
+        return None if normalised(self.rotation) else "its quaternion is zero"
+
+
+def normalised(rotation: Quaternion) -> Quaternion | None:
+    """Return a quaternion x, y, z, w of length one; None where it says nothing: zero, NaN."""
+    length = hypot(*rotation)
+    if not (isfinite(length) and length > SHORTEST):
+        return None
+    x, y, z, w = rotation
+    return x / length, y / length, z / length, w / length
+
+
+def rigid(translation: tuple[float, float, float], rotation: Quaternion) -> Matrix:
+    """Return the homogeneous matrix of a translation and a quaternion of any length, (4, 4)."""
+    x, y, z, w = normalised(rotation) or NO_TURN
+    tx, ty, tz = translation
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), tx],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), ty],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), tz],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def slerp(one: Quaternion, other: Quaternion, share: float) -> Quaternion:
+    """Return the rotation at a share of the way from one to another, turning the shorter way.
+
+    Both have length one (Shoemake, Animating rotation with quaternion curves, 1985).
+    """
+    cosine = sum(a * b for a, b in zip(one, other, strict=True))
+    sign, cosine = (-1.0, -cosine) if cosine < 0.0 else (1.0, cosine)
+    if cosine > 1.0 - 1e-9:
+        first, second = 1.0 - share, share
+    else:
+        angle = acos(cosine)
+        first, second = (sin((1.0 - share) * angle) / sin(angle), sin(share * angle) / sin(angle))
+    x, y, z, w = (first * a + sign * second * b for a, b in zip(one, other, strict=True))
+    return x, y, z, w
 
 
 def yaw(x: float, y: float, z: float, w: float) -> float:
-    """Return the heading of a quaternion, rad, in [-pi, pi]."""
-    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    """Return the heading of a quaternion of any length, rad, in [-pi, pi]; 0 where it is zero."""
+    return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 def quaternion(theta: float) -> tuple[float, float, float, float]:
@@ -60,42 +112,3 @@ def flatten(matrix: Matrix, frame: str) -> Pose2D:
     return Pose2D(
         float(matrix[0, 3]), float(matrix[1, 3]), atan2(matrix[1, 0], matrix[0, 0]), frame
     )
-
-
-class TransformTree:
-    """Frames of reference and the latest transform from each to its parent."""
-
-    def __init__(self) -> None:
-        self.transforms: dict[str, Transform] = {}
-
-    def add(self, transform: Transform) -> None:
-        """Take in a transform; it replaces an older one of the same child."""
-        self.transforms[transform.child] = transform
-
-    def frames(self) -> set[str]:
-        """Return the names of all frames."""
-        return set(self.transforms) | {each.parent for each in self.transforms.values()}
-
-    def ancestors(self, frame: str) -> list[str]:
-        """Return a frame and those above it, up to the root."""
-        line = [frame]
-        while line[-1] in self.transforms and self.transforms[line[-1]].parent not in line:
-            line.append(self.transforms[line[-1]].parent)
-        return line
-
-    def lookup(self, target: str, source: str) -> Matrix | None:
-        """Return the matrix that takes ``source`` coordinates to ``target``, (4, 4), or None."""
-        above = self.ancestors(target)
-        common = next((frame for frame in self.ancestors(source) if frame in above), None)
-        if common is None:
-            return None
-        matrix: Matrix = np.linalg.inv(self._up(target, common)) @ self._up(source, common)
-        return matrix
-
-    def _up(self, frame: str, ancestor: str) -> Matrix:
-        matrix = np.eye(4)
-        while frame != ancestor:
-            transform = self.transforms[frame]
-            matrix = transform.matrix() @ matrix
-            frame = transform.parent
-        return matrix

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.decoding import decoded
 from placecue.errors import UnusableObservation
-from placecue.observation import Image
+from placecue.image_size import check_pixels
+from placecue.observation import EncodedImage, Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,8 @@ FORMATS: dict[str, PixelFormat] = {
         for depth in (8, 16)
     },
 }
+#: Codecs by the words that messages use for them.
+CODECS = ("png", "webp", "avif")
 #: Pixel formats of depth images, with the type of a pixel and the length of its unit, m.
 DEPTH_FORMATS: dict[str, tuple[str, float]] = {"16uc1": ("u2", 1e-3), "32fc1": ("f4", 1.0)}
 
@@ -121,12 +125,14 @@ class RawImage:
         UnusableObservation
             If the pixel format is not one of depth, or there are too few bytes.
         """
-        if self.encoding.lower() not in DEPTH_FORMATS:
+        name = self.encoding.lower()
+        name = "16uc1" if name == "mono16" else name  # what some drivers call depth in mm
+        if name not in DEPTH_FORMATS:
             raise UnusableObservation(
                 f"{self.origin}: pixel format '{self.encoding}' is not depth; "
                 f"depth are: {', '.join(sorted(DEPTH_FORMATS))}"
             )
-        kind, unit = DEPTH_FORMATS[self.encoding.lower()]
+        kind, unit = DEPTH_FORMATS[name]
         return (self._numbers(kind, 1)[:, :, 0] * np.float32(unit)).astype(np.float32)
 
     def _converted(self, format: PixelFormat) -> Image:
@@ -139,22 +145,16 @@ class RawImage:
         return np.ascontiguousarray(chosen, dtype=np.uint8)
 
     def _by_opencv(self, pixels: NDArray[np.uint8], code: str) -> Image:
-        import cv2
-
-        try:
-            return np.asarray(cv2.cvtColor(pixels, getattr(cv2, code)), dtype=np.uint8)
-        except cv2.error as error:  # such as an odd width in YUV
-            raise UnusableObservation(
-                f"{self.origin}: {self.width} x {self.height} pixels of {self.encoding} do not "
-                f"convert: {' '.join(error.err.split())}"
-            ) from error
+        return _by_opencv(pixels, code, f"{self.origin}: pixels of {self.encoding}")
 
     def _numbers(self, kind: str, channels: int) -> NDArray[np.uint8]:
         """Return the pixels, shape (H, W, channels)."""
         type_ = np.dtype(f"{'>' if self.big_endian else '<'}{kind}")
+        check_pixels(self.width, self.height, self.origin)
         width = self.width * channels * type_.itemsize
         step = self.step or width
-        if step < width or len(self.data) < self.height * step or not self.data or not width:
+        empty = self.height < 1 or self.width < 1 or not self.data
+        if empty or step < width or len(self.data) < self.height * step:
             raise UnusableObservation(
                 f"{self.origin}: {len(self.data)} bytes are not {self.width} x {self.height} "
                 f"pixels of {self.encoding} in rows of {step}"
@@ -162,3 +162,81 @@ class RawImage:
         rows = np.frombuffer(self.data, np.uint8, self.height * step).reshape(self.height, step)
         pixels = np.ascontiguousarray(rows[:, :width]).view(type_)
         return pixels.reshape(self.height, self.width, channels)
+
+
+@dataclass(frozen=True, slots=True)
+class ReorderedImage:
+    """An encoded image whose channels are not those of a picture file, decoded when called.
+
+    Parameters
+    ----------
+    data : bytes
+        The encoded image.
+    code : str
+        OpenCV's name of the conversion from what its decoder gives to RGB.
+    channels : int
+        How many channels it is for; an image of others is given as any decoder does.
+    origin : str
+        Where it comes from, for messages.
+    """
+
+    data: bytes
+    code: str
+    channels: int
+    origin: str = "image"
+
+    def __call__(self) -> Image:
+        """Decode to RGB (H, W, 3), or to grey (H, W) where the image is grey.
+
+        Raises
+        ------
+        UnusableObservation
+            If it does not decode.
+        """
+        pixels = decoded(self.data, self.origin)
+        if (1 if pixels.ndim == 2 else pixels.shape[2]) != self.channels:
+            return EncodedImage(self.data, origin=self.origin)()
+        if not self.code:
+            return np.ascontiguousarray(pixels, dtype=np.uint8)
+        return _by_opencv(pixels, self.code, f"{self.origin}: its pixels")
+
+
+def compressed(data: bytes, words: str, origin: str) -> EncodedImage | ReorderedImage:
+    """Return the image of a message of compressed pixels.
+
+    ROS writes ``PIXELS; CODEC compressed ENCODED``: what the camera gave, and what was handed to
+    the encoder (``image_transport_plugins``, compressed_publisher). Encoders take BGR; pixels that
+    were handed over as RGB lie in the file the other way round, and a mosaic that was not
+    converted is a grey picture.
+
+    Parameters
+    ----------
+    data : bytes
+        The encoded image.
+    words : str
+        The field ``format``, such as ``jpeg`` or ``rgb8; jpeg compressed bgr8``.
+    origin : str
+        Where it comes from, for messages.
+    """
+    pixels, _, rest = words.lower().partition(";")
+    encoded = rest.partition("compressed")[2].strip()
+    mosaic = FORMATS.get(pixels.strip())
+    if encoded.startswith("rgb"):
+        return ReorderedImage(data, "", 3, origin)
+    if mosaic is not None and "bayer" in pixels and encoded in ("", pixels.strip()):
+        assert mosaic.code is not None  # every mosaic has one
+        return ReorderedImage(data, mosaic.code, 1, origin)
+    codec = next((name for name in CODECS if name in words.lower()), "jpeg")
+    return EncodedImage(data, codec, origin)
+
+
+def _by_opencv(pixels: NDArray[np.uint8], code: str, what: str) -> Image:
+    import cv2
+
+    try:
+        return np.asarray(cv2.cvtColor(pixels, getattr(cv2, code)), dtype=np.uint8)
+    except cv2.error as error:  # such as an odd width in YUV
+        raise UnusableObservation(
+            f"{what}, {pixels.shape[1]} x {pixels.shape[0]}, do not convert: "
+            f"{' '.join(error.err.split())}"
+        ) from error

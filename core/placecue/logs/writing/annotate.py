@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -12,11 +13,14 @@ from mcap.records import Attachment, McapRecord, Message, Metadata
 from placecue.errors import UsageError
 from placecue.logs.mcap import linear
 from placecue.logs.mcap.container import LogFile
+from placecue.logs.mcap.linear import Damage
 from placecue.logs.messages import foxglove_messages, ros2_messages
 from placecue.logs.messages.kinds import MessageType, Written
 from placecue.logs.writing.output import Output, profile_of
 from placecue.observation import Observation
 from placecue.progress import track
+
+log = logging.getLogger(__name__)
 
 Event = tuple[int, str]
 
@@ -91,12 +95,19 @@ def _profile(file: LogFile, encodings: set[str]) -> str:
 
 
 def _records(file: LogFile) -> Iterator[McapRecord]:
-    """Yield the records in the order of the file; damage was told when it was opened."""
+    """Yield the records in the order of the file, and warn of what cannot be copied."""
     known: set[int] = set(file.contents.channels)
+    told = list(file.contents.damages)  # when the file was opened
+    found: list[Damage] = []
     with file.path.open("rb") as opened:
-        for record in linear.records(opened, file.size, lambda damage: None, known):
+        for record in linear.records(opened, file.size, found.append, known):
             if not isinstance(record, Message) or record.channel_id in known:
                 yield record
+    if found and not told:
+        log.warning(
+            f"{file.path}: {len(found)} places are not copied, the first at byte "
+            f"{found[0].offset} ({found[0].reason})"
+        )
 
 
 def _label(topic: str, stamp: int, label: str, encodings: set[str]) -> Written:

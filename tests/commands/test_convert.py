@@ -31,7 +31,7 @@ def test_office(tmp_path: Path) -> None:
     out = tmp_path / "made" / "office.mcap"
     told = succeeds("convert", "source=office", "source.samples=4", *size, f"out={out}")
     assert told.out.splitlines()[0].startswith("4 observations of ")
-    assert f"placecue info log={out}" in told.out
+    assert f"placecue info {out}" in told.out
     found = counts(out)
     for name in ("CompressedImage", "LaserScan"):
         assert found[f"sensor_msgs/msg/{name}"] == 4

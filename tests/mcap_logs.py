@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
+from mcap_ros2.decoder import DecoderFactory as Ros2DecoderFactory
 from mcap_ros2.writer import Writer as Ros2Writer
 
 from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
@@ -304,3 +305,35 @@ def json_messages(path: str) -> list[tuple[str, str, Any]]:
                 assert fits(value, json.loads(schema.data)), (schema.name, value)
                 found.append((channel.topic, schema.name, value))
     return found
+
+
+def told_messages(path: str) -> list[tuple[str, str, Any]]:
+    """Return topic, schema name and message of what placecue said, JSON or ROS 2, as plain data."""
+    found = []
+    with Path(path).open("rb") as file:
+        reader = make_reader(file, decoder_factories=[Ros2DecoderFactory()])
+        for schema, channel, _, decoded in reader.iter_decoded_messages(topics=ros_topics(path)):
+            value = as_data(decoded)
+            if schema.name == "placecue_msgs/msg/Belief":
+                value["scores"] = dict(zip(value.pop("columns"), value["scores"], strict=True))
+            elif channel.topic == "/placecue/map":
+                value = json.loads(value["json"])
+            found.append((channel.topic, schema.name, value))
+    return [*json_messages(path), *found]
+
+
+def ros_topics(path: str) -> list[str]:
+    with Path(path).open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    channels = summary.channels.values()
+    told = [each for each in channels if each.topic.startswith("/placecue/")]
+    return [each.topic for each in told if each.message_encoding == "cdr"] or ["/none"]
+
+
+def as_data(value: Any) -> Any:
+    """Return a decoded ROS message as nested dicts."""
+    if isinstance(value, list):
+        return [as_data(each) for each in value]
+    names = getattr(value, "__slots__", ())
+    return {name: as_data(getattr(value, name)) for name in names} if names else value

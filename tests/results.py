@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from mcap.reader import make_reader
+from mcap_logs import told_messages
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -18,12 +18,8 @@ def rows(path: Path) -> list[dict[str, str]]:
 
 
 def messages(path: Path, topic: str) -> list[Any]:
-    """Return the JSON messages of a topic."""
-    with path.open("rb") as file:
-        return [
-            json.loads(message.data)
-            for _, _, message in make_reader(file).iter_messages(topics=[topic])
-        ]
+    """Return the messages of a topic, as plain data."""
+    return [value for at, _, value in told_messages(str(path)) if at == topic]
 
 
 def check_metrics(folder: Path) -> None:

@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from placecue.ownership import provenance
     from placecue.pipeline import Pipeline
     from placecue.progress import track
+    from placecue.recognition import Found
     from placecue.scaling import (
         FamilyScaling,
         QuantileScaling,
@@ -131,6 +132,7 @@ __all__ = [
     "FeatureParts",
     "Features",
     "FoldScheme",
+    "Found",
     "Gram",
     "Grams",
     "HeldOut",
@@ -269,6 +271,7 @@ _MODULES = {
     "pipeline": ("Pipeline",),
     "progress": ("track",),
     "ownership": ("provenance",),
+    "recognition": ("Found",),
     "scaling": (
         "FamilyScaling",
         "QuantileScaling",

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 
 from placecue import interruption
 from placecue.commands.names import COMMANDS, TRACEBACK
@@ -37,6 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Exits with 0, 1 (data), 2 (usage), 130 (interrupted) or 141 (nobody reads on).
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a terminal of few letters must not end a run
+            stream.reconfigure(errors="backslashreplace")
     if "--no-plugins" in words:
         words = [word for word in words if word != "--no-plugins"]
         os.environ["PLACECUE_NO_PLUGINS"] = "1"
@@ -57,7 +61,7 @@ def run(words: list[str]) -> int:
     if not words or words[0] in ("-h", "--help", "help"):
         print(help_text())
         return 0
-    if words[0] == "--version":
+    if "--version" in words:
         from placecue import __version__
 
         print(f"placecue {__version__}")
@@ -70,9 +74,7 @@ def run(words: list[str]) -> int:
         command, overrides = words[0], words[1:]
         if command not in COMMANDS:
             raise UsageError(f"unknown command '{command}'; {choices(command, COMMANDS)}")
-        from placecue.hydra_run import run_command
-
-        return run_command(command, overrides)
+        return _command(command, overrides)
     except PlacecueError as error:
         return _failed(words, str(error), error.exit_status)
     except BrokenPipeError:
@@ -87,6 +89,21 @@ def run(words: list[str]) -> int:
             "command shows where, for a report",
             1,
         )
+
+
+def _command(command: str, words: list[str]) -> int:
+    """Show the help of a command, or run it; what it is about to read is told at once."""
+    if {"-h", "--help"}.intersection(words):
+        from placecue.commands.help.page import page
+
+        print(page(command, words), end="")
+        return 0
+    from placecue.commands.words import prepared
+
+    words = prepared(command, words)
+    from placecue.hydra_run import run_command
+
+    return run_command(command, words)
 
 
 def _failed(words: Sequence[str], message: str, status: int) -> int:

@@ -7,7 +7,7 @@ import logging
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr
 from importlib import import_module
 from pathlib import Path
@@ -38,6 +38,9 @@ from placecue.components.searches import check_opened, opened
 from placecue.errors import PlacecueError, UsageError, choices, told
 from placecue.limits import limited
 from placecue.words import as_typed
+
+#: How folders that sweeps have for themselves begin.
+SWEEPS = ".placecue_sweep_"
 
 
 def run_command(command: str, overrides: list[str]) -> int:
@@ -74,7 +77,7 @@ def run_command(command: str, overrides: list[str]) -> int:
     try:
         with _sweep_folder(overrides) as given:
             sys.argv[1:1] = given  # before options, as Hydra wants overrides
-            return _enter(Task(command, overrides))
+            return _enter(Task(command, overrides), given)
     except (PlacecueError, BrokenPipeError):
         raise
     except Exception as error:
@@ -102,12 +105,12 @@ def _sweep_folder(words: list[str]) -> Iterator[list[str]]:
         return
     elsewhere = any(word.startswith("hydra/launcher=submitit") for word in words)
     place = Path.cwd() if elsewhere else None
-    with TemporaryDirectory(prefix=".placecue_sweep_", dir=place, ignore_cleanup_errors=True) as at:
-        # Naming the time here sets it for all jobs: their out= is of the same second.
-        yield [f"hydra.sweep.dir={at}/${{now:%Y-%m-%d_%H-%M-%S}}"]
+    with TemporaryDirectory(prefix=SWEEPS, dir=place, ignore_cleanup_errors=True) as at:
+        # The time is looked up once and handed to all jobs, whose out= may be made of it.
+        yield [f"hydra.sweep.dir='{at}/${{now:%Y-%m-%d_%H-%M-%S}}'"]
 
 
-def _enter(task: Task) -> int:
+def _enter(task: Task, given: list[str]) -> int:
     entry = hydra.main(version_base="1.3", config_path=BUILT_IN_CONFIGS, config_name=task.command)
     try:
         entry(task)()
@@ -115,6 +118,10 @@ def _enter(task: Task) -> int:
         if task.error is None:
             return done.code if isinstance(done.code, int) else 0  # --help and the like
         raise task.error from task.error.__cause__
+    for word in given:  # the folder of a sweep, while it is there
+        from placecue.commands.sweeps import show
+
+        show(Path(word.partition("=")[2].strip("'")).parent)
     task.report()
     return 0
 
@@ -184,7 +191,7 @@ class Task:
         resumes = getattr(module, "RESUMES", None)
         with limited(settings.get("limits")), guarded(settings, module.WRITES, resumes=resumes):
             try:
-                self._told_of(settings, module.run)
+                scores = self._told_of(settings, module.run)
             except SystemExit as error:
                 if isinstance(error.__context__, BrokenPipeError):  # how rich says it
                     raise error.__context__ from None
@@ -193,7 +200,23 @@ class Task:
                     f"middle of it; {TRACEBACK}=1 before the command shows where"
                 ) from error
 
-    def _told_of(self, settings: dict[str, Any], run: Callable[[dict[str, Any]], None]) -> None:
+        if job is not None and scores:
+            self._keep(job, scores)
+
+    def _keep(self, job: int, scores: Mapping[str, float]) -> None:
+        """Leave the scores of a job in the sweep's folder, if it has one of ours."""
+        from placecue.commands.numbered import swept_keys
+        from placecue.commands.sweeps import keep
+
+        running = HydraConfig.get()
+        if Path(running.sweep.dir).parent.name.startswith(SWEEPS):
+            typed = get_args_parser().parse_args(self.words).overrides
+            swept = swept_keys(typed, running.sweeper.get("params") or {})
+            keep(Path(running.sweep.dir), job, list(running.overrides.task), swept, scores)
+
+    def _told_of(
+        self, settings: dict[str, Any], run: Callable[[dict[str, Any]], Mapping[str, float] | None]
+    ) -> Mapping[str, float] | None:
         """Run the command, and tell plugins of its beginning, and of a bad end."""
         from placecue.commands.paths import path_of
 
@@ -201,7 +224,7 @@ class Task:
         out = None if settings.get("out") is None else path_of(settings, "out")
         plugins.tell("run_started", command=self.command, config=settings, out=out)
         try:
-            run(settings)
+            return run(settings)
         except BaseException as error:
             plugins.tell("run_failed", command=self.command, reason=told(error))
             raise
@@ -307,7 +330,9 @@ def _in_one_line(command: str, overrides: list[str], error: Exception) -> Placec
 def _missing(command: str, error: Exception) -> str:
     # Where another key stands for the missing one, the message alone names the one to give.
     found = re.search(r"Missing mandatory value: ([\w.]+)", str(error))
-    return f"{command} needs {found[1] if found else 'a value'}=...; see placecue {command} --help"
+    whole = getattr(error, "full_key", None) if isinstance(error, MissingMandatoryValue) else None
+    key = whole or (found[1] if found else "a value")
+    return f"{command} needs {key}=...; see placecue {command} --help"
 
 
 def _unknown_option(command: str, error: MissingConfigException) -> str:
@@ -330,7 +355,8 @@ def _unknown_key(command: str, overrides: list[str], error: Exception) -> str:
     if name in known:  # the value was refused, not the key
         return f"{command}: {_one_line(error)}"
     where = f" in {parent}" if parent else ""
-    inside = [f"{parent}.{place}" for place in _places_of(name, known)] if parent else []
+    start = f"{parent}." if parent else ""
+    inside = [f"{start}{place}" for place in _places_of(name, known)]
     if inside:
         return f"{command}: there is no '{name}'{where}; did you mean {' or '.join(inside)}?"
     return f"{command}: there is no '{name}'{where}; {choices(name, map(str, known))}"

@@ -44,12 +44,36 @@ def test_what_is_offered(line: str, offered: str, monkeypatch: pytest.MonkeyPatc
     assert bool(told.out.strip()) == bool(offered)
 
 
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("placecue train log=ru", ["log=run1.mcap", "log=runs/"]),
+        ("placecue train log=[run1.mcap,runs/", ["log=[run1.mcap,runs/a.bag"]),
+        ("placecue info source.path=run1", ["source.path=run1.mcap"]),
+        ("placecue info run1", ["run1.mcap"]),
+        ("placecue train cue=[crfh,la", ["cue=[crfh,laser"]),
+        ("placecue train cue=[crfh,cr", []),
+    ],
+)  # fmt: skip
+def test_files_and_lists(
+    line: str, offered: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "runs").mkdir()
+    for name in ("run1.mcap", "runs/a.bag", ".runs"):
+        (tmp_path / name).touch()
+    monkeypatch.setenv("COMP_LINE", line)
+    told = placecue("-sc", "query=bash")
+    assert (told.status, told.err) == (0, "")
+    assert told.out.split() == offered
+
+
 @pytest.mark.skipif(BASH is None, reason="needs bash")
 @pytest.mark.parametrize(
     ("typed", "offered"),
     [
         (["placecue", "cla"], "classify"),
         (["placecue", "train", "cue=la"], "cue=laser"),
+        (["placecue", "train", "cue=[crfh,la"], "cue=[crfh,laser"),
         (["placecue", "label", "boundary@accumulator.boundary=no"], ""),
     ],
 )

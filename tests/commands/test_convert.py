@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 
 from command_line import succeeds
-from mcap_logs import json_messages
+from mcap_logs import Ros2Log, json_messages
 from placecue.logs import open_log
 from rooms import ANGLES, Rooms
 
@@ -31,7 +31,7 @@ def test_office(tmp_path: Path) -> None:
     out = tmp_path / "made" / "office.mcap"
     told = succeeds("convert", "source=office", "source.samples=4", *size, f"out={out}")
     assert told.out.splitlines()[0].startswith("4 observations of ")
-    assert f"placecue info log={out}" in told.out
+    assert f"placecue info {out}" in told.out
     found = counts(out)
     for name in ("CompressedImage", "LaserScan"):
         assert found[f"sensor_msgs/msg/{name}"] == 4
@@ -124,3 +124,53 @@ def test_info_of_a_log_that_needs_a_choice(two_lasers: Path) -> None:
     told = succeeds("info", f"log={two_lasers}")
     assert "choose one, such as source.scan_topic=" in told.out
     assert json.dumps(str(two_lasers)).strip('"') in told.out
+
+
+def everything(path: Path) -> Path:
+    """Write a log of ROS 2 with scans, and an IMU, a second scan, metadata and an attachment."""
+    log = Ros2Log(path)
+    for i in range(5):
+        log.scan(float(i), [1.0 + i, 2.0, 3.0], topic="/front")
+        log.string(float(i), f"said {i}", topic="/chatter")
+        log.string(float(i), f"other {i}", topic="/label_of_nothing")
+    log.writer.add_metadata("site", {"building": "A"})
+    log.writer.add_attachment(1, 1, "notes.txt", "text/plain", b"hello")
+    log.close()
+    return path
+
+
+def test_what_is_left_out_is_told(tmp_path: Path) -> None:
+    source = everything(tmp_path / "in.mcap")
+    words = [str(source), str(tmp_path / "out.mcap"), "source.label_topic=/label_of_nothing"]
+    told = succeeds("convert", *words).out
+    assert "left out: /chatter (std_msgs/msg/String, 5 messages), metadata site; keep=all" in told
+    assert "std_msgs/msg/String" in counts(tmp_path / "out.mcap")  # the labels alone
+
+
+def test_all_is_kept(tmp_path: Path) -> None:
+    source, out = everything(tmp_path / "in.mcap"), tmp_path / "out.mcap"
+    words = [str(source), str(out), "source.label_topic=/label_of_nothing", "keep=all"]
+    assert "5 other messages copied as they are" in succeeds("convert", *words).out
+    before, after = [], []
+    for path, found in ((source, before), (out, after)):
+        with path.open("rb") as file:
+            for _, _, message in make_reader(file).iter_messages(topics=["/chatter"]):
+                found.append((message.log_time, message.publish_time, message.data))
+    assert after == before
+    assert len(after) == 5
+    with out.open("rb") as file:
+        reader = make_reader(file)
+        assert reader.get_header().profile == ""  # the copied channel says nothing of its QoS
+        assert {m.name: m.metadata for m in reader.iter_metadata()}["site"] == {"building": "A"}
+        assert [a.data for a in reader.iter_attachments()] == [b"hello"]
+    assert [len(each.scan.ranges) for each in open_log(out) if each.scan] == [3] * 5
+
+
+def test_topics_that_are_written_give_way(tmp_path: Path, two_lasers: Path) -> None:
+    out = tmp_path / "out.mcap"
+    succeeds("convert", str(two_lasers), str(out), "source.scan_topic=/front", "keep=all")
+    again = tmp_path / "again.mcap"
+    succeeds("convert", str(out), str(again), "source.scan_topic=/rear", "keep=all")
+    with again.open("rb") as file:
+        topics = {c.topic for c in make_reader(file).get_summary().channels.values()}
+    assert {"/scan", "/source/scan"} <= topics

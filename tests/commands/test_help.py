@@ -1,8 +1,11 @@
 """What commands say about themselves, without doing anything."""
 
 import os
+import re
+import shlex
 import subprocess
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -10,6 +13,7 @@ import yaml
 
 from command_line import SCRIPT, placecue, script, succeeds
 from placecue import __version__
+from placecue.commands.help.examples import EXAMPLES
 from placecue.commands.names import COMMANDS
 
 NEEDED = {
@@ -43,12 +47,43 @@ def test_version() -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_of_a_command_shows_its_config(command: str) -> None:
-    required = ["source=carmen"] if command == "convert" else []
-    told = succeeds(command, *required, "--help")
-    assert told.out.startswith(f"placecue {command} [key=value ...] [options]")
-    assert "--cfg job" in told.out
-    assert "Powered by Hydra" not in told.out
+def test_help_of_a_command(command: str) -> None:
+    told = succeeds(command, "--help").out
+    assert told.startswith(f"placecue {command} ")
+    config = yaml.safe_load((files("placecue_conf") / f"{command}.yaml").read_text())
+    own = {key for key in config if key not in ("defaults", "hydra", "source")}
+    assert {key for key in own if not re.search(rf"^  .*\b{key}\b", told, re.M)} == set()
+    assert "  placecue " in told.partition("essentials:")[0]  # examples come first
+    assert "--cfg job" in told
+    assert "Hydra" not in told.partition("--hydra-help")[0]
+
+
+def test_help_has_five_examples_and_fits_its_command() -> None:
+    told = succeeds("train", "--help").out
+    examples = told.partition("examples:\n")[2].partition("\n\n")[0].splitlines()
+    assert len(examples) == 5
+    assert all(line.startswith("  placecue train ") for line in examples)
+    assert "accumulator" not in told
+    assert "accumulator=spatiotemporal" in succeeds("label", "--help").out
+    assert "cues.crfh.bins" not in succeeds("train", "cue=laser", "-h").out
+    assert "source.laser " in succeeds("convert", "source=carmen", "--help").out
+
+
+def test_each_example_composes(tmp_path: Path) -> None:
+    """Whatever help shows is understood, files apart."""
+    for command, examples in EXAMPLES.items():
+        for example in examples:
+            _, _, *words = shlex.split(example)
+            if "-m" in words or "--json" in words:
+                continue
+            told = placecue(command, *words, "--cfg", "job")
+            there = "neither key=value nor a file" not in told.err and "no such log" not in told.err
+            assert told.status == 0 or not there, told.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_version_anywhere() -> None:
+    assert succeeds("train", "--version").out == f"placecue {__version__}\n"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -98,3 +133,23 @@ def test_listing_what_is_installed_imports_nothing_that_trains() -> None:
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout.splitlines()[-1] == ""
+
+
+def test_a_terminal_of_few_letters(log_a: Path) -> None:
+    few = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    told = script("info", str(log_a), **few)
+    assert (told.status, told.err) == (0, "")
+    assert "96 observations" in told.out
+    assert told.out.isascii()
+
+
+def test_something_is_said_before_anything_heavy_is_imported(log_a: Path) -> None:
+    code = (
+        "import sys; from placecue.commands.words import prepared; "
+        f"prepared('train', [{str(log_a)!r}]); "
+        "print(*(m for m in ('hydra', 'numpy', 'sklearn', 'mcap') if m in sys.modules))"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stderr.startswith(f"progress: train {log_a}, ")
+    assert told.stderr.rstrip().endswith(" MB (mcap)")
+    assert told.stdout.strip() == ""

@@ -27,6 +27,20 @@ def test_a_model_for_each_cue(tmp_path: Path, log_a: Path) -> None:
     assert list(manifest(out / "1")["pipeline"]["cues"]) == ["crfh"]
 
 
+def test_the_table_at_the_end(tmp_path: Path, laser_model: Path, log_a: Path, log_b: Path) -> None:
+    words = [f"model={laser_model}", f"log={log_a},{log_b}", f"out={tmp_path}/sweep"]
+    told = succeeds("classify", "-m", *words, "cache.folder=null").out
+    heading, first, second = told.rstrip().splitlines()[-3:]
+    assert heading.split() == ["job", "log", "balanced", "accuracy", "(%)"]
+    for number, (line, log) in enumerate(((first, log_a), (second, log_b))):
+        metrics = json.loads((tmp_path / "sweep" / str(number) / "metrics.json").read_text())
+        share = metrics["methods"]["integrated"]["balanced_accuracy"]
+        assert line.split()[0] == str(number)
+        assert line.split()[-1] == f"{100 * share:.1f}"
+        assert log.name in told
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep"]
+
+
 def test_without_out_the_jobs_share_a_folder(tmp_path: Path, log_a: Path) -> None:
     multiclass = "cues.crfh.classifier.multiclass=oaa,oao"
     succeeds("train", "-m", *CRFH, multiclass, f"log={log_a}")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mcap_logs import START, json_messages, walk
+from mcap_logs import START, told_messages, walk
 from placecue.accumulator import AreaUpdate
 from placecue.belief import Belief
 from placecue.logs import open_log
@@ -46,7 +46,7 @@ def path(tmp_path: Path, request: pytest.FixtureRequest) -> str:
 
 
 def test_everything_fits_its_schema_and_is_there(path: str) -> None:
-    messages = json_messages(path)
+    messages = told_messages(path)
     of = {
         topic: [value for at, _, value in messages if at == topic]
         for topic in ("/placecue/belief", "/placecue/area", "/placecue/map", "/placecue/map_scene")
@@ -54,14 +54,15 @@ def test_everything_fits_its_schema_and_is_there(path: str) -> None:
     assert len(of["/placecue/belief"]) == 5
     first = of["/placecue/belief"][0]
     assert first["stamp"] == walk()[1].stamp
-    assert first["scores"] == dict(zip(CLASSES, [-1.0, -0.5, "Infinity", 0.25], strict=True))
+    scores = {name: float(value) for name, value in first["scores"].items()}
+    assert scores == dict(zip(CLASSES, [-1.0, -0.5, np.inf, 0.25], strict=True))
     assert (first["label"], first["confidence"], first["cues_used"]) == ("office", 0.75, ["laser"])
     assert [each["finished"] for each in of["/placecue/area"]] == [False, False, True]
     assert SemanticMap.from_json(of["/placecue/map"][0]) == MAP
 
 
 def test_the_scene_shows_areas_nodes_and_edges(path: str) -> None:
-    (scene,) = [value for topic, _, value in json_messages(path) if topic.endswith("map_scene")]
+    (scene,) = [value for topic, _, value in told_messages(path) if topic.endswith("map_scene")]
     entities = {entity["id"]: entity for entity in scene["entities"]}
     assert list(entities) == ["area 1", "area 2", "nodes", "edges"]
     (line,) = entities["area 1"]["lines"]
@@ -86,7 +87,7 @@ def test_a_belief_is_kept_where_the_observation_cannot_be(
         log.observe(Observation(5, image=EncodedImage(b"").__call__), belief(5))
         log.observe(Observation(2**40 * 10**9), belief(2**40 * 10**9))
     assert "2 observations could not be written (the first: image does not decode" in caplog.text
-    (message,) = json_messages(str(tmp_path / "a.mcap"))
+    [message] = told_messages(str(tmp_path / "a.mcap"))
     assert message[0] == "/placecue/belief"
     assert message[2]["stamp"] == 5
 
@@ -103,7 +104,7 @@ def test_the_layout_shows_topics_that_are_written(path: str, tmp_path: Path) -> 
         )
 
     assert sorted(leaves(layout["layout"])) == sorted(panels)
-    written = {topic for topic, _, _ in json_messages(path)} | {"/camera/image/compressed"}
+    written = {topic for topic, _, _ in told_messages(path)} | {"/camera/image/compressed"}
     assert panels["RawMessages!belief"]["topicPath"] in written
     assert panels["RawMessages!area"]["topicPath"] in written
     assert panels["Image!placecue"]["imageMode"]["imageTopic"] in written

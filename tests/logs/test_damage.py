@@ -31,8 +31,8 @@ def cut(path: str, size: int) -> Path:
         (b"", r"is empty \(0 bytes\)"),
         (b"hello world, this is text", r"is not an MCAP file \(it begins with b'hello wo'\)"),
         (b"\x89MCAP", "is not an MCAP file"),
-        (b"#ROSBAG V2.0\n" + bytes(50), "a ROS 1 bag; convert it first"),
-        (b"SQLite format 3\0" + bytes(50), "a ROS 2 sqlite3 bag; convert it first"),
+        (b"#ROSBAG V2.0\n" + bytes(50), "a ROS 1 bag, which source=rosbag reads"),
+        (b"SQLite format 3\0" + bytes(50), "a ROS 2 sqlite3 bag, which source=rosbag reads"),
     ],
 )
 def test_not_mcap(tmp_path: Path, content: bytes, said: str) -> None:

@@ -6,12 +6,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from placecue.commands import tables
+from placecue.commands import as_json, tables
 from placecue.commands.features import at_least_0, cache_of
 from placecue.errors import UsageError
 from placecue.storage.cache_folder import DAY, Kept, contents, trim
 
 WRITES = None
+HEADINGS = ("log", "cue, version", "samples", "MB", "last used", "parameters")
 _MEGA, _GIGA = 1e6, 1e9
 
 
@@ -23,12 +24,15 @@ def run(config: dict[str, Any]) -> None:
     trim_to, unused_days = (at_least_0(config[key], key) for key in ("trim_to", "unused_days"))
     if trim_to is not None or unused_days is not None:
         removed = trim(folder, None if trim_to is None else trim_to * _GIGA, unused_days)
-        print(f"removed {removed / _MEGA:.1f} MB")
+        if not as_json.wanted(config):
+            print(f"removed {removed / _MEGA:.1f} MB")
     kept = contents(folder)
+    if as_json.wanted(config):
+        rows = [dict(zip(HEADINGS, row, strict=True)) for row in _rows(kept)]
+        as_json.tell({"folder": folder, "bytes": sum(each.size for each in kept), "kept": rows})
+        return
     if kept:
-        tables.table(
-            ["log", "cue, version", "samples", "MB", "last used", "parameters"], _rows(kept)
-        )
+        tables.table(HEADINGS, _rows(kept))
     total = sum(each.size for each in kept)
     print(f"{folder}: {total / _MEGA:.1f} MB")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from placecue import progress
 from placecue.atomic import made, write_json
-from placecue.commands import files, reporting, show, tables
+from placecue.commands import as_json, files, reporting, show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance
 from placecue.commands.paths import path_of
@@ -24,13 +24,20 @@ from placecue.storage.model import load_model
 WRITES = files.CLASSIFIED
 
 
-def run(config: dict[str, Any]) -> None:
-    """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled."""
+def run(config: dict[str, Any]) -> dict[str, float]:
+    """Write the beliefs of a log as CSV and MCAP, and score them where it is labelled.
+
+    Returns
+    -------
+    dict of str to float
+        The balanced accuracy, where it is labelled.
+    """
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
     set_tolerance(pipeline, config)
     table, annotated, metrics = out / files.BELIEFS, out / files.BELIEFS_LOG, out / files.SCORES
     tally, sample = Tally(), MistakeSample()
+    as_json.wanted(config)
     reporting.is_wanted(config)  # wrong words are told before the run, not after it
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
@@ -48,9 +55,16 @@ def run(config: dict[str, Any]) -> None:
         run_log(pipeline, log, listeners, batch=config["batch"])
     results = [("beliefs", table), ("beliefs with the log, for Foxglove", annotated)]
     if tally.counts:
-        show.scores(tally)
+        if not as_json.wanted(config):
+            show.scores(tally)
         results.append(("scores", write_json(metrics, tally.to_json())))
     facts = reporting.facts(config, log.name)
     reporting.write(config, out, lambda: run_page(f"Beliefs of {log.name}", facts, tally, sample))
-    tables.written([*results, *reporting.written(config, out)])
+    results += reporting.written(config, out)
+    if as_json.wanted(config):
+        scores = tally.to_json() if tally.counts else None
+        as_json.tell({"log": log.name, "scores": scores, "files": as_json.paths(results)})
+    else:
+        tables.written(results)
     plugins.tell("run_finished", command="classify", out=out)
+    return show.accuracy(tally)

@@ -1,16 +1,18 @@
-"""``placecue info``: what is in a log, and which topics would be used."""
+"""``placecue info``: what is in a log, and which topics would be used; what any source gives."""
 
 from __future__ import annotations
 
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
 from placecue import progress
-from placecue.commands import tables
+from placecue.commands import as_json, tables
 from placecue.commands.logs import open_source, single_logs
 from placecue.commands.paths import path_of
+from placecue.commands.source_summary import SourceSummary, walk
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
 from placecue.evaluation.map_figure import category_styles, draw_semantic_map
@@ -18,6 +20,7 @@ from placecue.evaluation.thumbnail import thumbnail
 from placecue.labels.relabelled import Relabelled
 from placecue.logs.info import LogSummary, TopicSummary, summarise
 from placecue.logs.reader import McapLog
+from placecue.observation import PARTS
 from placecue.semantic_map import SemanticMap
 from placecue.source import Source, innermost
 
@@ -31,31 +34,53 @@ def run(config: dict[str, Any]) -> None:
     logs = single_logs(open_source(config, current_plugins()))
     if out is not None and len(logs) > 1:
         raise UsageError(f"out={out} takes the way of one log, and log= names {len(logs)}")
+    as_data = as_json.wanted(config)
+    documents = []
     for source in logs:
         with progress.shown():
             summary = summary_of(source)
-        print_summary(summary)
-        if out is None:
-            print_way(summary)
+        if as_data:
+            documents.append(document(summary))
+        elif isinstance(summary, LogSummary):
+            print_summary(summary)
         else:
-            draw_way(summary, out)
+            print_walk(summary)
+        if out is not None:
+            draw_way(summary, out, told=not as_data)
+        elif not as_data:
+            print_way(summary)
+    if as_data:
+        as_json.tell(documents)
 
 
-def summary_of(source: Source) -> LogSummary:
-    """Look at a log, under other labels where the config asks for them.
-
-    Raises
-    ------
-    UsageError
-        If it is no log of messages.
-    """
+def summary_of(source: Source) -> LogSummary | SourceSummary:
+    """Look at a log, under other labels where the config asks for them; walk through others."""
     inner = innermost(source)
     if not isinstance(inner, McapLog):
-        raise UsageError(
-            f"info looks into MCAP logs and bags, and {source.name} is neither: placecue convert "
-            "makes a log of it"
-        )
+        return walk(source)
     return summarise(inner, source.label if isinstance(source, Relabelled) else None)
+
+
+def document(summary: LogSummary | SourceSummary) -> dict[str, Any]:
+    """Return a summary as plain data, the way of the robot left out."""
+    # A counter is a mapping that asdict does not know how to make again.
+    plain: dict[str, Any] = {"labels": dict(summary.labels), "trail": ()}
+    plain["metadata"] = dict(summary.metadata)
+    if isinstance(summary, SourceSummary):
+        plain["parts"] = dict(summary.parts)
+    data = asdict(replace(summary, **plain))
+    del data["trail"]
+    return {**data, "duration": summary.duration, "coverage": summary.coverage}
+
+
+def print_walk(summary: SourceSummary) -> None:
+    """Print what a source that is no log of messages gives."""
+    print(f"{summary.path}: {summary.observations} observations, {summary.duration:.1f} s")
+    for key, value in summary.metadata.items():
+        print(f"  {key}: {value}")
+    rows = [[part, str(summary.parts.get(part, 0))] for part in PARTS]
+    tables.table(["part", "observations"], rows)
+    print_labels(summary)
 
 
 def print_summary(summary: LogSummary) -> None:
@@ -71,17 +96,23 @@ def print_summary(summary: LogSummary) -> None:
     print()
     for part in summary.parts:
         print(f"{part.part:<6} {', '.join(part.topics) or 'none'}: {part.reason}")
-    if summary.coverage is not None:
-        print(f"{summary.observations} observations, {100 * summary.coverage:.1f} % with a label")
-    styles = category_styles(_classes(summary))
-    for label, count in sorted(summary.labels.items()):
-        mark = Text(f"  {label or NO_LABEL}: {count}")
-        tables.console().print(mark.append(" ■", styles[label][0]) if label else mark)
+    print_labels(summary)
     if summary.problem:
         print(f"cannot be read as it is: {summary.problem}")
 
 
-def print_way(summary: LogSummary) -> None:
+def print_labels(summary: LogSummary | SourceSummary) -> None:
+    """Print how much is labelled, and how."""
+    if summary.coverage is not None:
+        print(f"{summary.observations} observations, {100 * summary.coverage:.1f} % with a label")
+    square = " #" if tables.console().options.ascii_only else " ■"
+    styles = category_styles(_classes(summary))
+    for label, count in sorted(summary.labels.items()):
+        mark = Text(f"  {label or NO_LABEL}: {count}")
+        tables.console().print(mark.append(square, styles[label][0]) if label else mark)
+
+
+def print_way(summary: LogSummary | SourceSummary) -> None:
     """Print the way of the robot as a small picture, coloured by label."""
     if not summary.trail:
         return
@@ -91,7 +122,7 @@ def print_way(summary: LogSummary) -> None:
     console.print(thumbnail(summary.trail, colours, plain=console.options.ascii_only))
 
 
-def draw_way(summary: LogSummary, out: Path) -> None:
+def draw_way(summary: LogSummary | SourceSummary, out: Path, told: bool = True) -> None:
     """Draw the way of the robot into a picture file."""
     if not summary.trail:
         raise UsageError(f"{summary.path} gives no poses, so there is no way to draw into {out}")
@@ -99,14 +130,15 @@ def draw_way(summary: LogSummary, out: Path) -> None:
     classes = [*_classes(summary), *[NO_LABEL] * any(not label for _, _, label in summary.trail)]
     nothing = SemanticMap((), (), (), ())
     draw_semantic_map(nothing, out, truth=way, classes=classes, title=Path(summary.path).name)
-    tables.written([("the way", out)])
+    if told:
+        tables.written([("the way", out)])
 
 
-def _classes(summary: LogSummary) -> list[str]:
+def _classes(summary: LogSummary | SourceSummary) -> list[str]:
     return sorted(label for label in summary.labels if label)
 
 
-def _extent(summary: LogSummary) -> str:
+def _extent(summary: LogSummary | SourceSummary) -> str:
     xs, ys = [x for x, _, _ in summary.trail], [y for _, y, _ in summary.trail]
     return f"{max(xs) - min(xs):.1f} m wide and {max(ys) - min(ys):.1f} m high"
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from placecue import contracts, progress
 from placecue.atomic import made, write_json
-from placecue.commands import files, reporting, show, tables
+from placecue.commands import as_json, files, reporting, show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance
 from placecue.commands.paths import path_of
@@ -30,16 +30,34 @@ from placecue.storage.model import load_model
 WRITES = files.LABELLED
 
 
-def run(config: dict[str, Any]) -> None:
-    """Label the areas of a log and write the map, a picture of it and the annotated log."""
+def run(config: dict[str, Any]) -> dict[str, float]:
+    """Label the areas of a log and write the map, a picture of it and the annotated log.
+
+    Returns
+    -------
+    dict of str to float
+        The balanced accuracy, where the log is labelled.
+    """
     out, tally = path_of(config, "out"), Tally()
+    as_json.wanted(config)  # wrong words are told before the run, not after it
     semantic_map = label(config, out, tally)
+    files_written = [*results(out, bool(tally.counts)), *reporting.written(config, out)]
+    if as_json.wanted(config):
+        scores = tally.to_json() if tally.counts else None
+        told = {"map": semantic_map.to_json(), "scores": scores}
+        as_json.tell({**told, "files": as_json.paths(files_written)})
+    else:
+        _print(semantic_map, tally, files_written)
+    current_plugins().tell("run_finished", command="label", out=out)
+    return show.accuracy(tally)
+
+
+def _print(semantic_map: SemanticMap, tally: Tally, files_written: list[tuple[str, Path]]) -> None:
     areas = [area for area in semantic_map.areas if area.label != "unknown"]
     print(f"{len(semantic_map.areas)} areas, {len(areas)} of them labelled")
     if tally.counts:
         show.scores(tally)
-    tables.written([*results(out, bool(tally.counts)), *reporting.written(config, out)])
-    current_plugins().tell("run_finished", command="label", out=out)
+    tables.written(files_written)
 
 
 def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:

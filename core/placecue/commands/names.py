@@ -12,9 +12,26 @@ COMMANDS = {
     "convert": "any source -> MCAP",
     "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",
+    "doctor": "what is installed, what is wrong and how to mend it; also of a log and a model",
     "cache": "the features that are kept between runs; shows and trims them",
     "plugins": "the components that are installed, and plugins that do not load",
 }
 
 #: Set to 1 in the environment for full tracebacks; ``hydra.verbose=true`` does it for one run.
 TRACEBACK = "PLACECUE_TRACEBACK"
+
+LOG, OUT, MODEL = "log", "out", "model"
+#: What paths that stand by themselves are: the first key takes all of them, but ``out`` is the last
+#: of two or more, and ``model`` one that is a model's folder.
+PATHS: dict[str, tuple[str, ...]] = {
+    "demo": (OUT,),
+    "train": (LOG,),
+    "classify": (LOG, MODEL),
+    "label": (LOG, MODEL),
+    "evaluate": (LOG,),
+    "report": (OUT,),
+    "convert": (LOG, OUT),
+    "annotate": (LOG, OUT),
+    "info": (LOG,),
+    "doctor": (LOG, MODEL),
+}

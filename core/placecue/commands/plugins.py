@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import sys
+from dataclasses import asdict
+from functools import partial
 from typing import Any
 
+from placecue.commands import as_json
 from placecue.components.manager import current_plugins
 from placecue.components.registry import Registry
 from placecue.errors import PluginError, UsageError, choices
 
 WRITES = None
+HEADINGS = ("kind", "name", "summary", "distribution", "version", "status")
 
 
 def run(config: dict[str, Any]) -> None:
@@ -24,13 +29,20 @@ def run(config: dict[str, Any]) -> None:
     rows = [row for row in table(registry) if wanted is None or row[0] == wanted]
     if wanted is not None and not rows:
         raise UsageError(f"no component of kind '{wanted}'; {choices(wanted, _kinds(registry))}")
-    _print(rows)
+    if as_json.wanted(config):
+        as_json.tell({
+            "components": [dict(zip(HEADINGS, row, strict=True)) for row in rows],
+            "problems": [asdict(each) for each in registry.problems],
+        })  # fmt: skip
+    else:
+        _print(rows)
     problems = [f"{each.plugin} {each.version}: {each.error}" for each in registry.problems]
     conflicts = {registry.conflict(each.component.kind, each.component.name) for each in registry}
+    told = partial(print, file=sys.stderr if as_json.wanted(config) else sys.stdout)
     for problem in problems:
-        print(f"does not load: {problem}")
+        told(f"does not load: {problem}")
     for conflict in sorted(conflicts - {None}, key=str):
-        print(f"conflict: {conflict}")
+        told(f"conflict: {conflict}")
     if problems or conflicts != {None}:
         raise PluginError(
             f"{len(problems)} plugins do not load, {len(conflicts - {None})} names are in conflict"
@@ -61,7 +73,7 @@ def _print(rows: list[tuple[str, ...]]) -> None:
     from rich.table import Table
 
     shown = Table(box=None, header_style="bold", pad_edge=False)
-    for heading in ("kind", "name", "summary", "distribution", "version", "status"):
+    for heading in HEADINGS:
         shown.add_column(heading, overflow="fold")
     for row in rows:
         shown.add_row(*row)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,8 @@ def scores(tally: Tally) -> None:
 def training(pipeline: Pipeline, report: Sequence[tuple[str, Path]]) -> None:
     """Print what training found, and where it wrote the rest."""
     chosen_parameters(pipeline)
+    for line in at_edges(pipeline):
+        print(line)
     learned: str = call(pipeline.integrator, "summary")
     if learned:
         print(f"integrator: {learned}")
@@ -71,6 +74,45 @@ def chosen_parameters(pipeline: Pipeline) -> None:
         rows.append([classifier, *chosen, _percent(results[SCORE][best])])
     if rows:
         table(["classifier", *names, "balanced accuracy in cross-validation (%)"], rows)
+
+
+def best_of_searches(pipeline: Pipeline) -> dict[str, float]:
+    """Return the best balanced accuracy that each search found."""
+    return {name: float(max(results[SCORE])) for name, results in searches(pipeline).items()}
+
+
+def accuracy(tally: Tally) -> dict[str, float]:
+    """Return the balanced accuracy of the whole pipeline; nothing where there are no labels."""
+    return {"balanced accuracy": tally.balanced_accuracy(INTEGRATED)} if tally.counts else {}
+
+
+def at_edges(pipeline: Pipeline) -> list[str]:
+    """Return a line for each parameter whose best value is the first or last of its grid."""
+    lines = []
+    for classifier, results in searches(pipeline).items():
+        best = int(np.argmax(results[SCORE]))
+        for name, values in results.items():
+            edge = None if name == SCORE else _edge(values, results[SCORE])
+            if edge:
+                where = classifier if classifier == "integrator" else f"cues.{classifier}"
+                beyond = f"{where}.classifier.search.{name}=[...]"
+                lines.append(
+                    f"note: {name} = {as_text(values[best])} of {classifier} is the {edge} of its "
+                    f"grid; better ones may lie beyond: {beyond}"
+                )
+    return lines
+
+
+def _edge(values: Sequence[Any], scores: Sequence[float]) -> str | None:
+    """Return which end of a grid all the best points are at; None where one lies within."""
+    kinds = (int, float, np.number)
+    if not all(isinstance(each, kinds) and not isinstance(each, bool) for each in values):
+        return None
+    best = {value for value, score in zip(values, scores, strict=True) if score == max(scores)}
+    if len(best) != 1 or len(set(values)) < 2:
+        return None
+    [value] = best
+    return {min(values): "smallest", max(values): "largest"}.get(value)
 
 
 def _percent(share: float | None) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from placecue import progress
 from placecue.atomic import made
 from placecue.checks import check_flag
-from placecue.commands import files, reporting, show
+from placecue.commands import as_json, files, reporting, show
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance, single_logs
 from placecue.commands.paths import path_of
@@ -22,14 +22,28 @@ from placecue.storage.model import read_manifest, save_model
 WRITES = files.TRAINED
 
 
-def run(config: dict[str, Any]) -> None:
-    """Train a pipeline and write its model folder."""
+def run(config: dict[str, Any]) -> dict[str, float]:
+    """Train a pipeline and write its model folder.
+
+    Returns
+    -------
+    dict of str to float
+        What the searches say: the best balanced accuracy of each.
+    """
     out = path_of(config, "out")
+    as_json.wanted(config)
     pipeline, report = train(config, out)
-    show.training(pipeline, report)
-    print(f"model of {len(pipeline.classes)} classes ({', '.join(pipeline.classes)}) in {out}")
-    print(f"next: placecue classify model={out} log=FILE, or placecue label model={out} log=FILE")
+    best = show.best_of_searches(pipeline)
+    if as_json.wanted(config):
+        classes = list(pipeline.classes)
+        told = {"model": str(out), "classes": classes, "balanced_accuracy_of_searches": best}
+        as_json.tell({**told, "files": as_json.paths(report)})
+    else:
+        show.training(pipeline, report)
+        print(f"model of {len(pipeline.classes)} classes ({', '.join(pipeline.classes)}) in {out}")
+        print(f"next: placecue classify {out} LOG, or placecue label {out} LOG")
     current_plugins().tell("run_finished", command="train", out=out)
+    return best
 
 
 def train(config: dict[str, Any], out: Path) -> tuple[Pipeline, list[tuple[str, Path]]]:

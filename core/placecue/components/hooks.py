@@ -60,6 +60,10 @@ class Component:
         What it does, in one line.
     requires : sequence of str
         What it needs: parts of an observation, or words for a person.
+    recognise : str
+        Of a source: import string of a function that takes a :class:`placecue.recognition.Found`
+        and returns how sure it is that the source reads it (2 by what it holds, 1 by its name or
+        shape, 0 not at all). Its module should import nothing heavy.
     """
 
     kind: Kind
@@ -67,6 +71,7 @@ class Component:
     factory: str
     summary: str = ""
     requires: Sequence[str] = ()
+    recognise: str = ""
 
 
 @hookspec

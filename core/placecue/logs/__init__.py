@@ -22,6 +22,7 @@ def placecue_components() -> list[Component]:
             factory="placecue.logs.reader:McapLog",
             summary="MCAP log: ROS 1, ROS 2 or Foxglove messages",
             requires=("path",),
+            recognise="placecue.logs.recognise:mcap",
         ),
         Component(
             kind="source",
@@ -29,6 +30,7 @@ def placecue_components() -> list[Component]:
             factory="placecue.logs.rosbag:RosbagLog",
             summary="ROS 1 or ROS 2 bag (.bag, sqlite3)",
             requires=("path",),
+            recognise="placecue.logs.recognise:rosbag",
         ),
     ]
 

@@ -15,6 +15,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.carmen:CarmenLog",
             summary="CARMEN text log: laser scans and odometry, plain or gzip",
             requires=("path",),
+            recognise="placecue_sources.recognise:carmen",
         ),
         Component(
             kind="source",
@@ -22,6 +23,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.cold:Cold",
             summary="Sequence of the COLD database, folder or tar",
             requires=("path",),
+            recognise="placecue_sources.recognise:cold",
         ),
         Component(
             kind="source",
@@ -29,6 +31,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.cold_meta:ColdMeta",
             summary="Sequence of COLD-Meta: scans, poses and labels without images",
             requires=("path",),
+            recognise="placecue_sources.recognise:cold_meta",
         ),
         Component(
             kind="source",
@@ -36,6 +39,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.floorplan:FloorPlan",
             summary="Scans ray-cast in labelled floor plans",
             requires=("path",),
+            recognise="placecue_sources.recognise:floorplan",
         ),
         Component(
             kind="source",
@@ -43,6 +47,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.idol2:Idol2",
             summary="Sequence of the IDOL2 database, folder or tar",
             requires=("path",),
+            recognise="placecue_sources.recognise:idol2",
         ),
         Component(
             kind="source",
@@ -50,6 +55,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.image_folder:ImageFolder",
             summary="Images in one folder a class",
             requires=("path",),
+            recognise="placecue_sources.recognise:image_folder",
         ),
         Component(
             kind="source",
@@ -57,6 +63,7 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.rgbd:RGBD",
             summary="Colour and depth images, with a virtual laser scan cut from the depth",
             requires=("path",),
+            recognise="placecue_sources.recognise:rgbd",
         ),
         Component(
             kind="source",
@@ -64,5 +71,6 @@ def placecue_components() -> list[Component]:
             factory="placecue_sources.table:Table",
             summary="Any data set: a CSV, or files whose names tell it",
             requires=("path",),
+            recognise="placecue_sources.recognise:table",
         ),
     ]

@@ -36,8 +36,17 @@ def nanoseconds(text: str, unit: str = "s") -> int:
     except (ArithmeticError, ValueError) as error:
         raise ValueError(f"'{text}' is not a time in {unit}") from error
     if not 0 <= stamp <= LONGEST:
-        raise ValueError(f"the time '{text}' {unit} does not lie between 1970 and 2262")
+        raise ValueError(
+            f"the time '{text}' {unit} does not lie between 1970 and 2262{_finer(stamp, unit)}"
+        )
     return stamp
+
+
+def _finer(stamp: int, unit: str) -> str:
+    """Return the unit in which a time makes sense, as a hint; empty where there is none."""
+    factor = NANOSECONDS.get(unit, 1)
+    fits = [name for name, each in NANOSECONDS.items() if 0 <= stamp // factor * each <= LONGEST]
+    return f", but in {fits[0]} it does: stamp_unit={fits[0]}" if fits else ""
 
 
 def _counted(text: str, unit: int) -> int:

@@ -23,8 +23,8 @@ log = logging.getLogger(__name__)
 
 #: Beginnings of files that people mistake for MCAP, and what to do with them.
 OTHER_FILES = {
-    b"#ROSBAG": "a ROS 1 bag; convert it first: placecue convert source=rosbag",
-    b"SQLite format 3": "a ROS 2 sqlite3 bag; convert it first: placecue convert source=rosbag",
+    b"#ROSBAG": "a ROS 1 bag, which source=rosbag reads",
+    b"SQLite format 3": "a ROS 2 sqlite3 bag, which source=rosbag reads",
     b"\x1f\x8b": "gzip-compressed; unpack it first",
 }
 

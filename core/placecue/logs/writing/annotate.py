@@ -16,7 +16,7 @@ from placecue.logs.mcap.container import LogFile
 from placecue.logs.mcap.linear import Damage
 from placecue.logs.messages import foxglove_messages, ros2_messages
 from placecue.logs.messages.kinds import MessageType, Written
-from placecue.logs.writing.output import Output
+from placecue.logs.writing.output import Output, profile_of
 from placecue.observation import Observation
 from placecue.progress import track
 
@@ -72,7 +72,7 @@ def annotate(file: LogFile, events: Sequence[Event], out: str | Path, topic: str
     waiting = sorted(events, reverse=True)
     encodings = {channel.message_encoding for channel in file.contents.channels.values()}
     copied = 0
-    with Output(out, file.contents.profile) as output:
+    with Output(out, _profile(file, encodings)) as output:
         for record in track(_records(file), f"copying {file.path.name}"):
             if isinstance(record, Message):
                 while waiting and waiting[-1][0] <= record.log_time:
@@ -86,6 +86,12 @@ def annotate(file: LogFile, events: Sequence[Event], out: str | Path, topic: str
         for stamp, label in reversed(waiting):
             output.write(stamp, _label(topic, stamp, label, encodings))
     return copied
+
+
+def _profile(file: LogFile, encodings: set[str]) -> str:
+    """Return the profile of the copy: that of the log where labels and all else keep it true."""
+    channels = file.contents.channels.values()
+    return "" if "cdr" in encodings and not profile_of(channels) else file.contents.profile
 
 
 def _records(file: LogFile) -> Iterator[McapRecord]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from importlib import resources
+from json import dumps
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -13,8 +14,9 @@ from placecue.atomic import write_text
 from placecue.belief import Belief
 from placecue.errors import UnusableObservation
 from placecue.faults import Faults
+from placecue.logs.messages import placecue_ros
 from placecue.logs.messages.foxglove_messages import message_type, number, time
-from placecue.logs.messages.kinds import Written
+from placecue.logs.messages.kinds import MessageType, Written
 from placecue.logs.writing.scene import Color, belief_update, map_update, palette
 from placecue.logs.writing.writer import McapWriter, can_hold
 from placecue.observation import Observation
@@ -33,8 +35,11 @@ class AnnotatedLog:
     """Writes observations with beliefs and areas to an MCAP file; a context manager.
 
     Foxglove and Lichtblick show it with the layout that :func:`write_layout` puts beside it.
-    Everything that placecue made is JSON with a schema: ``placecue.Belief``,
-    ``placecue.AreaUpdate``, ``placecue.SemanticMap`` and ``foxglove.SceneUpdate``.
+    What placecue made is in the language of the rest. With ``encoding="json"`` it is JSON with a
+    schema: ``placecue.Belief``, ``placecue.AreaUpdate``, ``placecue.SemanticMap`` and
+    ``foxglove.SceneUpdate``. In ``cdr`` these are ``placecue_msgs/Belief``,
+    ``placecue_msgs/AreaUpdate``, the map as JSON in a ``placecue_msgs/SemanticMap``,
+    and ``foxglove_msgs/SceneUpdate``, so that tools for ROS 2 read the whole file.
 
     Parameters
     ----------
@@ -68,6 +73,7 @@ class AnnotatedLog:
         self.colours = {**palette(classes), **(colours or {})}
         self.size = size
         self.writer = McapWriter(path, **options)
+        self._ros = self.writer.dialect.profile == "ros2"
         self._stamp = 0
         self._faults = Faults(str(path))
 
@@ -93,21 +99,26 @@ class AnnotatedLog:
             return
         self._stamp = observation.stamp
         if belief is not None:
-            self._put(BELIEF_TOPIC, "placecue.Belief", belief_message(belief))
+            told = ros_belief_message(belief) if self._ros else belief_message(belief)
+            self._put(BELIEF_TOPIC, "placecue.Belief", told)
         if belief is not None and observation.pose is not None:
             shown = belief_update(belief, observation.pose, self.colours, self.size)
             self._put(BELIEF_SCENE_TOPIC, "foxglove.SceneUpdate", shown)
         if update is not None:
-            self._put(AREA_TOPIC, "placecue.AreaUpdate", area_message(self._stamp, update))
+            told = area_message(self._stamp, update)
+            told["confidence"] = float(update.confidence) if self._ros else told["confidence"]
+            self._put(AREA_TOPIC, "placecue.AreaUpdate", told)
 
     def close_with(self, semantic_map: SemanticMap) -> None:
         """Write the map, as data and as a scene, at the time of the last observation."""
-        self._put(MAP_TOPIC, "placecue.SemanticMap", semantic_map.to_json())
+        told = semantic_map.to_json()
+        self._put(MAP_TOPIC, "placecue.SemanticMap", {"json": dumps(told)} if self._ros else told)
         scene = map_update(self._stamp, semantic_map, self.colours, self.size)
         self._put(MAP_SCENE_TOPIC, "foxglove.SceneUpdate", scene)
 
     def _put(self, topic: str, name: str, message: dict[str, Any]) -> None:
-        self.writer.output.write(self._stamp, Written(topic, message_type(name), message))
+        kind = ros_type(name) if self._ros else message_type(name)
+        self.writer.output.write(self._stamp, Written(topic, kind, message))
 
     def __enter__(self) -> Self:
         return self
@@ -121,6 +132,25 @@ class AnnotatedLog:
         self.writer.__exit__(kind, error, trace)
         if kind is None:
             self._faults.report()
+
+
+def ros_type(name: str) -> MessageType:
+    """Return the ROS 2 message that stands for one of JSON."""
+    package, _, message = name.partition(".")
+    return placecue_ros.message_type(f"{package}_msgs/{message}")
+
+
+def ros_belief_message(belief: Belief) -> dict[str, Any]:
+    """Return a belief as a ``placecue_msgs/Belief``."""
+    return {
+        "timestamp": time(belief.stamp),
+        "stamp": belief.stamp,
+        "label": belief.label,
+        "confidence": float(belief.confidence),
+        "columns": [str(column) for column in belief.scores.layout.columns],
+        "scores": belief.scores.values[0].tolist(),
+        "cues_used": list(belief.cues_used),
+    }
 
 
 def belief_message(belief: Belief) -> dict[str, Any]:

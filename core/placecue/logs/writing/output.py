@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -19,6 +19,28 @@ COMPRESSIONS = {
     "lz4": CompressionType.LZ4,
     "none": CompressionType.NONE,
 }
+
+
+#: How ROS 2 plays a topic: the last ten, reliably; static transforms also to who comes late.
+_QOS = (
+    "- history: 1\n  depth: 10\n  reliability: 1\n  durability: {durability}\n"
+    "  deadline: {{sec: 9223372036, nsec: 854775807}}\n"
+    "  lifespan: {{sec: 9223372036, nsec: 854775807}}\n  liveliness: 1\n"
+    "  liveliness_lease_duration: {{sec: 9223372036, nsec: 854775807}}\n"
+    "  avoid_ros_namespace_conventions: false"
+)
+QOS = "offered_qos_profiles"
+
+
+def qos_of(topic: str) -> dict[str, str]:
+    """Return the metadata of a channel that ROS 2 asks for."""
+    return {QOS: _QOS.format(durability=1 if topic.endswith("tf_static") else 2)}
+
+
+def profile_of(channels: Iterable[Channel]) -> str:
+    """Return the profile of a file with such channels: ros2 only where each is as ROS 2 has it."""
+    honest = [each.message_encoding == "cdr" and QOS in each.metadata for each in channels]
+    return "ros2" if honest and all(honest) else ""
 
 
 class Output:
@@ -57,8 +79,9 @@ class Output:
         self._file = self._part.temporary.open("wb")
         self._schemas: dict[str, int] = {}
         self._channels: dict[tuple[str, str], int] = {}
-        self._copied: dict[int, int] = {}
-        self._copied_schemas: dict[int, int] = {}
+        # Of several files each has numbers of its own.
+        self._copied: dict[tuple[int, int], int] = {}
+        self._copied_schemas: dict[tuple[str, str, bytes], int] = {}
         self._writer = Writer(
             self._file, chunk_size=chunk_size, compression=COMPRESSIONS[compression]
         )
@@ -86,9 +109,9 @@ class Output:
         channels, schemas : mapping of int to record
             Those of the other file, by id.
         """
-        number = message.channel_id
+        number = (id(channels), message.channel_id)
         if number not in self._copied:
-            channel = channels[number]
+            channel = channels[message.channel_id]
             schema = self._copied_schema(schemas.get(channel.schema_id))
             self._copied[number] = self._writer.register_channel(
                 channel.topic, channel.message_encoding, schema, channel.metadata
@@ -114,11 +137,10 @@ class Output:
     def _copied_schema(self, schema: Schema | None) -> int:
         if schema is None:
             return 0
-        if schema.id not in self._copied_schemas:
-            self._copied_schemas[schema.id] = self._writer.register_schema(
-                schema.name, schema.encoding, schema.data
-            )
-        return self._copied_schemas[schema.id]
+        key = (schema.name, schema.encoding, schema.data)
+        if key not in self._copied_schemas:
+            self._copied_schemas[key] = self._writer.register_schema(*key)
+        return self._copied_schemas[key]
 
     def _channel(self, topic: str, type: MessageType) -> int:
         key = (topic, type.name)
@@ -127,8 +149,9 @@ class Output:
                 self._schemas[type.name] = self._writer.register_schema(
                     type.name, type.schema_encoding, type.schema
                 )
+            metadata = qos_of(topic) if type.encoding == "cdr" else {}
             self._channels[key] = self._writer.register_channel(
-                topic, type.encoding, self._schemas[type.name]
+                topic, type.encoding, self._schemas[type.name], metadata
             )
         return self._channels[key]
 

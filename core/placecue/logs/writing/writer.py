@@ -57,6 +57,8 @@ class McapWriter:
         Conditions of the recording, kept in the metadata record ``placecue``.
     camera : PinholeCamera, optional
         Written beside each image, as sensor_msgs/CameraInfo or foxglove.CameraCalibration.
+    profile : str, optional
+        Profile of the file, where it will hold other things too.
 
     Raises
     ------
@@ -79,6 +81,7 @@ class McapWriter:
         chunk_size: int = 2**20,
         metadata: Mapping[str, str] | None = None,
         camera: PinholeCamera | None = None,
+        profile: str | None = None,
     ) -> None:
         if encoding not in DIALECTS:
             raise UsageError(f"unknown encoding '{encoding}': {choices(encoding, DIALECTS)}")
@@ -89,7 +92,9 @@ class McapWriter:
         self.image_format = image_format
         self.image_quality = image_quality
         self.dialect = DIALECTS[encoding]()
-        self.output = Output(path, self.dialect.profile, compression, chunk_size)
+        self.output = Output(
+            path, self.dialect.profile if profile is None else profile, compression, chunk_size
+        )
         self.camera = camera
         self._label: str | None = None
         self._mount: Pose2D | None = None

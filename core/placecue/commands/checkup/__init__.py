@@ -1,0 +1,1 @@
+"""What ``placecue doctor`` looks at, one small file each."""

@@ -55,9 +55,7 @@ class Graph:
         self._tensors.append(dims + number(2, kind) + text(8, name) + data(9, raw.tobytes()))
         return name
 
-    def node(
-        self, kind: str, inputs: Sequence[str], output: str, **attributes: Attribute
-    ) -> str:
+    def node(self, kind: str, inputs: Sequence[str], output: str, **attributes: Attribute) -> str:
         """Add a node of an operator and return the name of its result."""
         made = b"".join(text(1, each) for each in inputs) + text(2, output)
         made += text(3, output) + text(4, kind)

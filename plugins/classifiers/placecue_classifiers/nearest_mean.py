@@ -196,12 +196,12 @@ class NearestMean(Classifier):
         """Return weights, shape (d, M), and offsets, shape (M,), of the scores."""
         means = self.means_
         if self.products_ is None:
-            return 2 * means.T, -np.sum(means**2, axis=1)
+            return np.asarray(2 * means.T), np.asarray(-np.sum(means**2, axis=1))
         total = int(self.counts_.sum())
         within = self.products_ * STEP**2 - (self.counts_[:, None] * means).T @ means
         shrunk = shrunken(within / total, total, self.shrinkage)
         weights = np.linalg.lstsq(shrunk, means.T, rcond=None)[0]
-        return weights, -np.sum(means.T * weights, axis=0) / 2
+        return np.asarray(weights), np.asarray(-np.sum(means.T * weights, axis=0) / 2)
 
     def _dense(self, features: FeatureBatch) -> FeatureBatch:
         kind = kind_of(features) if not isinstance(features, list) else FeatureKind.DENSE

@@ -193,7 +193,7 @@ class Knowledge(Classifier):
     def _learn(self, values: Matrix, codes: NDArray[np.int64]) -> None:
         """Learn temperature and offsets, each class weighing the same."""
         counts = np.bincount(codes, minlength=values.shape[1])
-        weights = 1.0 / counts[codes]
+        weights = len(codes) / (np.count_nonzero(counts) * counts[codes])
         rows = np.arange(len(codes))
 
         def loss(parameters: Matrix) -> tuple[float, Matrix]:

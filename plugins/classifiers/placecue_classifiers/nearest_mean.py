@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import cho_factor, cho_solve
 from sklearn.utils.validation import column_or_1d
 
 from placecue.checks import check_choice, check_number
@@ -22,6 +23,8 @@ COVARIANCES = ("none", "shared")
 STEP = 2.0**-22
 #: So many rows of unit length have products whose sums a float64 holds exactly.
 _ROWS = 512
+#: A variance of vectors of unit length that is rounding alone.
+_NOTHING = 1e-9
 #: Sums of products fill an int64 beyond so many samples.
 MOST = 2**19
 
@@ -131,7 +134,7 @@ class NearestMean(Classifier):
     def scores(self, features: FeatureBatch) -> Scores:
         """Return how near n samples are to each class mean, shape (n, M)."""
         rows = _rounded(np.asarray(self.samples(self._dense(features)), np.float64)) * STEP
-        if not hasattr(self, "_discriminants"):
+        if not hasattr(self, "_discriminants"):  # a model that was loaded
             self._discriminants = self._solved()
         weights, offsets = self._discriminants
         return Scores(rows @ weights + offsets, self.layout_)
@@ -180,7 +183,7 @@ class NearestMean(Classifier):
                 self.products_ += (some.T @ some).astype(np.int64)
         if len(self.labels_) > 1:
             self.layout_ = OneAgainstAll(self.class_names)
-        self.__dict__.pop("_discriminants", None)
+            self._discriminants = self._solved()
         return self
 
     def _more(self, features: FeatureBatch, labels: NDArray[Any]) -> FeatureBatch:
@@ -200,7 +203,10 @@ class NearestMean(Classifier):
         total = int(self.counts_.sum())
         within = self.products_ * STEP**2 - (self.counts_[:, None] * means).T @ means
         shrunk = shrunken(within / total, total, self.shrinkage)
-        weights = np.linalg.lstsq(shrunk, means.T, rcond=None)[0]
+        try:
+            weights = cho_solve(cho_factor(shrunk), means.T)
+        except np.linalg.LinAlgError:  # nothing was shrunk, and some features do not vary
+            weights = np.linalg.lstsq(shrunk, means.T, rcond=None)[0]
         return np.asarray(weights), np.asarray(-np.sum(means.T * weights, axis=0) / 2)
 
     def _dense(self, features: FeatureBatch) -> FeatureBatch:
@@ -211,9 +217,14 @@ class NearestMean(Classifier):
 
 
 def shrunken(covariance: Matrix, n: int, shrinkage: float | str) -> Matrix:
-    """Return a covariance of n samples, shape (d, d), drawn to a multiple of the identity."""
+    """Return a covariance of n samples, shape (d, d), drawn to a multiple of the identity.
+
+    Where nothing varies, as with one sample a class, it is the identity.
+    """
     d = len(covariance)
     mean = np.trace(covariance) / d
+    if mean * d < _NOTHING:
+        return np.eye(d)
     share = shrinkage
     if share == "oas":
         square, trace = np.sum(covariance**2), np.trace(covariance) ** 2

@@ -1,0 +1,106 @@
+"""Writes what benchmarks/deep.py found into docs/deep.md."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from deep_plan import BASE, DARKER, FEW, METHODS
+from nyu_frames import ROOMS
+from scene_bootstrap import SceneBootstrap
+from tables import put, table
+
+PAGE = Path(__file__).parents[1] / "docs" / "deep.md"
+Found = dict[str, Any]
+
+
+def write(folder: Path) -> None:
+    """Write the tables of all that is finished into the page."""
+    found = {rooms: _joined(folder, rooms) for rooms in ROOMS}
+    put(
+        PAGE,
+        {
+            "trained": _trained(found),
+            "untrained": _untrained(json.loads((folder / "untrained.json").read_text())),
+            "few": _few(json.loads((folder / "few_labels.json").read_text())),
+            "dark": _dark(found["four"]),
+        },
+    )
+
+
+def _joined(folder: Path, rooms: str) -> Found:
+    """Return truth, scenes and decisions of all folds, of the run with the most cues."""
+    runs: dict[str, list[Found]] = {}
+    for path in sorted((folder / "folds").glob(f"{rooms}_*.json")):
+        runs.setdefault(path.stem.rsplit("_", 1)[0], []).append(json.loads(path.read_text()))
+    most = max(runs.values(), key=lambda run: len(run[0]), default=[])
+    names = most[0] if most else {}
+    return {name: np.concatenate([each[name] for each in most]) for name in names}
+
+
+def _accuracy(truth: Any, decided: Any) -> float:
+    return float(100 * np.mean([(decided[truth == c] == c).mean() for c in np.unique(truth)]))
+
+
+def _shown(draws: SceneBootstrap, decided: Any) -> str:
+    low, high = draws.interval(decided)
+    return f"{_accuracy(draws.truth, decided):.1f} [{low:.0f}, {high:.0f}]"
+
+
+def _trained(found: dict[str, Found]) -> str:
+    rows = []
+    for method in METHODS:
+        cells = []
+        for of in found.values():
+            if method not in of:
+                cells += ["", ""]
+                continue
+            draws = SceneBootstrap(of["truth"], of["scenes"])
+            low, high = draws.difference(of[method], of[BASE])
+            gain = _accuracy(of["truth"], of[method]) - _accuracy(of["truth"], of[BASE])
+            cells.append(_shown(draws, of[method]))
+            cells.append("" if method == BASE else f"{gain:+.1f} [{low:+.1f}, {high:+.1f}]")
+        if any(cells):
+            rows.append([method, *cells])
+    heads = [head for rooms in found for head in (f"{rooms} rooms", f"less {BASE}")]
+    return table(["", *heads], rows)
+
+
+def _untrained(found: dict[str, Found]) -> str:
+    rows = []
+    for name, of in found.items():
+        truth, decided = np.array(of["truth"]), np.array(of["decided"])
+        recalls = ", ".join(
+            f"{place} {100 * (decided[truth == place] == place).mean():.0f}"
+            for place in np.unique(truth)
+        )
+        draws = SceneBootstrap(truth, np.array(of["scenes"]))
+        rows.append([name, str(len(truth)), _shown(draws, decided), recalls])
+    return table(["places", "frames", "balanced accuracy", "of each place"], rows)
+
+
+def _few(found: dict[str, dict[str, float]]) -> str:
+    rows = []
+    for covariance, name in (("none", "nearest mean"), ("shared", "with a shared covariance")):
+        cells = []
+        for count in FEW:
+            of = found.get(f"{covariance} {count or 'all'}")
+            spread = f" ± {of['deviation']:.1f}" if of and of["draws"] > 1 else ""
+            cells.append(f"{of['mean']:.1f}{spread}" if of else "")
+        rows.append([name, *cells])
+    return table(["labels a class", *(str(count or "all") for count in FEW)], rows)
+
+
+def _dark(of: Found) -> str:
+    rows = [
+        [name, *(_cell(of, f"{name}{level}") for level in ("", *(f" / {by}" for by in DARKER)))]
+        for name in METHODS
+        if name in of
+    ]
+    return table(["light", "1", *(f"1/{by}" for by in DARKER)], rows)
+
+
+def _cell(of: Found, name: str) -> str:
+    return f"{_accuracy(of['truth'], of[name]):.1f}" if name in of else ""

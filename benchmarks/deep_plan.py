@@ -1,0 +1,34 @@
+"""What is compared in docs/deep.md."""
+
+from __future__ import annotations
+
+from nyu_frames import ROOMS
+
+#: Cues, with the words that set them.
+CUES: dict[str, list[str]] = {
+    "lite0": [],
+    "laser": ["cues.laser.preset=full"],
+    "crfh": [],
+    "fisher_vector": [],
+}
+#: Cues that are integrated by SVM-DAS, by the name of the row.
+METHODS: dict[str, tuple[str, ...]] = {
+    "lite0": ("lite0",),
+    "laser": ("laser",),
+    "CRFH": ("crfh",),
+    "Fisher": ("fisher_vector",),
+    "CRFH + laser": ("crfh", "laser"),
+    "lite0 + laser": ("lite0", "laser"),
+    "lite0 + Fisher + laser": ("lite0", "fisher_vector", "laser"),
+}
+BASE = "lite0"
+#: What the light is divided by in test.
+DARKER = (2, 4, 8)
+#: Labels a class; 0 is all of the training frames.
+FEW = (1, 5, 10, 0)
+#: Which places the table is asked for.
+PLACES = {
+    "four": ROOMS["four"],
+    "six": (*ROOMS["four"], "dining_room", "office"),
+    "eight": ROOMS["eight"],
+}

@@ -69,7 +69,7 @@ def test_training_learns_how_sure_to_be_and_how_common_places_look(known: dict[s
         Knowledge(**known).untrained(),
         Knowledge(**known).fit(features, labels),
     )
-    assert (plain.predict(features) == labels).mean() < 0.6
+    assert (plain.predict(features) == labels).mean() < 0.65
     assert (learned.predict(features) == labels).mean() > 0.8
     assert learned.members_.tolist() == plain.members_.tolist()
     offsets = dict(zip(learned.classes_, learned.offsets_, strict=True))
@@ -87,7 +87,7 @@ def test_as_many_names_as_scores(known: dict[str, Any]) -> None:
     for wrong in (SCORES[:, :5], np.ones((2, 1000))):
         with pytest.raises(DataError, match=rf"scores {wrong.shape[1]} objects, and there are 7"):
             Knowledge(**known).untrained().scores(wrong)
-        with pytest.raises(DataError, match="give classifier.objects=FILE"):
+        with pytest.raises(DataError, match=r"give classifier\.objects=FILE"):
             Knowledge(**known).fit(wrong, ["bathroom", "kitchen"])
 
 

@@ -171,5 +171,5 @@ def test_a_model_refuses_another_network_than_its_own(network: Path) -> None:
     tiny(network, bias=1.0)
     loaded = clone(cue)
     loaded.digest_ = known
-    with pytest.raises(DataError, match="another network .* than the one that the model"):
+    with pytest.raises(DataError, match=r"another network .* than the one that the model"):
         loaded.features(observe(PIXELS))

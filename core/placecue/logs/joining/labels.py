@@ -13,6 +13,8 @@ from pathlib import Path
 from placecue.errors import DataError
 
 COLUMNS = ("start", "end", "label")
+#: A further column, of what a model says; a line of it may be left without a label.
+SUGGESTED = "suggested"
 #: A number without a point that is at least this large is nanoseconds, anything else seconds.
 NANOSECONDS_FROM = 10**14
 
@@ -62,7 +64,11 @@ class Intervals:
                         f"{path}: the first line must name the columns start,end,label; it has "
                         f"{','.join(names) or 'nothing'}"
                     )
-                found = [_interval(row, f"{path}, line {rows.line_num}") for row in rows]
+                found = [
+                    _interval(row, f"{path}, line {rows.line_num}")
+                    for row in rows
+                    if not _left_open(row)
+                ]
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise DataError(f"cannot read the labels {path}: {error}") from error
         return cls._checked(sorted(found), path)
@@ -70,12 +76,17 @@ class Intervals:
     @classmethod
     def _checked(cls, found: list[tuple[int, int, str, str]], path: str | Path) -> Intervals:
         if not found:
-            raise DataError(f"{path} holds no labels: only its first line is there")
+            raise DataError(f"{path} holds no labels: fill in the column label of a line or more")
         for (_, end, _, _), (start, _, _, line) in pairwise(found):
             if start < end:
                 raise DataError(f"{line}: the interval overlaps the one before it in time")
         starts, ends, labels, _ = zip(*found, strict=True)
         return cls(starts, ends, labels)
+
+
+def _left_open(row: dict[str, str | None]) -> bool:
+    """Tell whether a moment that ``placecue suggest`` wrote has been given no label."""
+    return SUGGESTED in row and not (row["label"] or "").strip()
 
 
 def _interval(row: dict[str, str | None], line: str) -> tuple[int, int, str, str]:

@@ -24,7 +24,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from cues_and_classifiers import REGISTRY
 from deep_page import write
-from deep_plan import CUES, DARKER, FEW, METHODS, PLACES
+from deep_plan import CUES, DARKER, FEW, FOLDS, METHODS, PLACES
 from hydra import compose, initialize_config_module
 from nyu_frames import ROOMS, Frames, OuterFold, frames, outer_folds
 
@@ -75,11 +75,13 @@ def trained(fold: OuterFold, cues: Sequence[str], cache: FeatureCache, dark: boo
     for level, seen in levels.items():
         evidence[level] = pipeline.evidence_of(pipeline.collect(seen))
     made = {"truth": fold.held_out.labels.tolist(), "scenes": fold.held_out.scenes.tolist()}
-    for name, of in METHODS.items():
+    for name, (of, how) in METHODS.items():
         if not set(of) <= set(cues):
             continue
-        integrator = pipeline_of(["integrator=svm_das"]).integrator
-        schemes = Schemes.fit(integrator, held_out.having(of)) if len(of) > 1 else None
+        schemes = None
+        if how:
+            integrator = pipeline_of([f"integrator={how}"]).integrator
+            schemes = Schemes.fit(integrator, held_out.having(of))
         for level, there in evidence.items():
             some = StoredEvidence({cue: there.scores(cue) for cue in of})
             scores = some.scores(of[0]) if schemes is None else schemes.integrate(some)[0]
@@ -124,7 +126,7 @@ def untrained(data: Path, cache: FeatureCache) -> dict[str, Decided]:
 
 def few_labels(data: Path, cache: FeatureCache) -> dict[str, dict[str, float]]:
     """Return balanced accuracies with so many labels a class: mean and deviation over draws."""
-    folds = list(outer_folds(data, ROOMS["eight"]))
+    folds = list(outer_folds(data, ROOMS["eight"], FOLDS))
     features = [
         (features_of(fold.training, "lite0", cache), features_of(fold.held_out, "lite0", cache))
         for fold in folds
@@ -183,7 +185,7 @@ def main() -> None:
         kept(folder / "untrained.json", lambda: untrained(data, cache))
         kept(folder / "few_labels.json", lambda: few_labels(data, cache))
         for rooms in arguments.rooms:
-            for number, fold in enumerate(outer_folds(data, ROOMS[rooms])):
+            for number, fold in enumerate(outer_folds(data, ROOMS[rooms], FOLDS)):
                 name = f"{rooms}_{'+'.join(arguments.cues)}_{number}.json"
                 make = partial(trained, fold, arguments.cues, cache, dark=rooms == "four")
                 kept(folder / "folds" / name, make)

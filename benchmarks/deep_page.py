@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from deep_plan import BASE, DARKER, FEW, METHODS
+from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS
 from nyu_frames import ROOMS
 from scene_bootstrap import SceneBootstrap
 from tables import put, table
@@ -31,13 +31,12 @@ def write(folder: Path) -> None:
 
 
 def _joined(folder: Path, rooms: str) -> Found:
-    """Return truth, scenes and decisions of all folds, of the run with the most cues."""
+    """Return truth, scenes and decisions of all folds, of every run that has them all."""
     runs: dict[str, list[Found]] = {}
     for path in sorted((folder / "folds").glob(f"{rooms}_*.json")):
         runs.setdefault(path.stem.rsplit("_", 1)[0], []).append(json.loads(path.read_text()))
-    most = max(runs.values(), key=lambda run: len(run[0]), default=[])
-    names = most[0] if most else {}
-    return {name: np.concatenate([each[name] for each in most]) for name in names}
+    whole = [run for run in runs.values() if len(run) == FOLDS]
+    return {name: np.concatenate([each[name] for each in run]) for run in whole for name in run[0]}
 
 
 def _accuracy(truth: Any, decided: Any) -> float:

@@ -11,15 +11,19 @@ CUES: dict[str, list[str]] = {
     "crfh": [],
     "fisher_vector": [],
 }
-#: Cues that are integrated by SVM-DAS, by the name of the row.
-METHODS: dict[str, tuple[str, ...]] = {
-    "lite0": ("lite0",),
-    "laser": ("laser",),
-    "CRFH": ("crfh",),
-    "Fisher": ("fisher_vector",),
-    "CRFH + laser": ("crfh", "laser"),
-    "lite0 + laser": ("lite0", "laser"),
-    "lite0 + Fisher + laser": ("lite0", "fisher_vector", "laser"),
+#: Cues by the name of the row, and how they are integrated.
+METHODS: dict[str, tuple[tuple[str, ...], str]] = {
+    "lite0": (("lite0",), ""),
+    "laser": (("laser",), ""),
+    "CRFH": (("crfh",), ""),
+    "Fisher": (("fisher_vector",), ""),
+    "CRFH + laser": (("crfh", "laser"), "svm_das"),
+    "lite0 + laser": (("lite0", "laser"), "svm_das"),
+    "lite0 + laser, linear": (("lite0", "laser"), "svm_das_linear"),
+    "lite0 + laser, G-DAS": (("lite0", "laser"), "gdas"),
+    "lite0 + Fisher + laser": (("lite0", "fisher_vector", "laser"), "svm_das"),
+    "lite0 + Fisher + laser, linear": (("lite0", "fisher_vector", "laser"), "svm_das_linear"),
+    "lite0 + Fisher + laser, G-DAS": (("lite0", "fisher_vector", "laser"), "gdas"),
 }
 BASE = "lite0"
 #: What the light is divided by in test.
@@ -32,3 +36,4 @@ PLACES = {
     "six": (*ROOMS["four"], "dining_room", "office"),
     "eight": ROOMS["eight"],
 }
+FOLDS = 5

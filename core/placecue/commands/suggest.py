@@ -55,18 +55,17 @@ def run(config: dict[str, Any]) -> None:
 def suggested(pipeline: Pipeline, log: Source, count: int) -> list[Moment]:
     """Return the moments of a log that are most worth labelling, in order of time."""
     beliefs, described = [], []
-    for _, belief, looks in looked_at(pipeline, progress.track(log, "looking")):
+    for _, belief, seen in looked_at(pipeline, progress.track(log, "looking")):
         beliefs.append(belief)
-        described.append(looks)
+        described.append(seen)
     if not beliefs:
         raise DataError(f"no observation of {log.name} is usable")
     width = max(map(len, described))
-    looks = np.array([each if len(each) == width else np.zeros(width) for each in described])
+    looks = np.zeros((len(described), width))
+    for row, each in enumerate(described):  # of one that lacks a cue there is nothing to compare
+        looks[row] = each if len(each) == width else 0
     confidence = np.array([belief.confidence for belief in beliefs])
-    chosen = {
-        beliefs[row].stamp: beliefs[row]
-        for row in choose(confidence, looks.astype(np.float64), count)
-    }
+    chosen = {beliefs[row].stamp: beliefs[row] for row in choose(confidence, looks, count)}
     # Read again, so that no picture of the others is kept.
     views = {each.stamp: (each.log_name, *view(each)) for each in log if each.stamp in chosen}
     return [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from placecue import progress
@@ -10,10 +11,13 @@ from placecue.commands import files
 from placecue.commands.features import extraction_of
 from placecue.commands.logs import open_source, set_tolerance, single_logs
 from placecue.commands.paths import path_of
-from placecue.components.manager import current_plugins
+from placecue.components.manager import Plugins, current_plugins
 from placecue.errors import UsageError
 from placecue.labels.at_times import LabelledAtTimes
+from placecue.labels.relabelled import relabelled
 from placecue.logs.joining.labels import Intervals
+from placecue.observation import Part
+from placecue.source import Source
 from placecue.storage.model import load_model, read_manifest, save_model
 from placecue.teaching import Taught, check_teachable, teach
 
@@ -29,11 +33,8 @@ def run(config: dict[str, Any]) -> None:
     set_tolerance(pipeline, config)
     check_teachable(pipeline)
     with extraction_of(config, plugins) as pipeline.extraction, progress.shown():
-        log = open_source(config, plugins, parts=(*pipeline.requires, "label"))
+        log = _opened(config, plugins, pipeline.requires)
         logs = single_logs(log)
-        if config["labels"] is not None:
-            known = Intervals.from_csv(config["labels"])
-            log = LabelledAtTimes(log, known.at, str(known))
         made(out)
         taught = teach(pipeline, pipeline.collect(log))
     earlier = read_manifest(folder)["logs"]
@@ -42,6 +43,15 @@ def run(config: dict[str, Any]) -> None:
     print(f"model of {len(pipeline.classes)} classes ({', '.join(pipeline.classes)}) in {out}")
     print(f"next: placecue label model={out} log=FILE, or placecue suggest model={out} log=FILE")
     plugins.tell("run_finished", command="teach", out=out)
+
+
+def _opened(config: dict[str, Any], plugins: Plugins, parts: Sequence[Part]) -> Source:
+    """Open the log, under the labels of a table where there is one."""
+    if config["labels"] is None:
+        return open_source(config, plugins, parts=(*parts, "label"))
+    known = Intervals.from_csv(config["labels"])
+    log = open_source({**config, "rooms": None, "label_map": None}, plugins, parts=parts)
+    return relabelled(LabelledAtTimes(log, known.at, str(known)), {**config, "rooms": None})
 
 
 def _say(taught: Taught) -> None:

@@ -16,6 +16,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -24,11 +25,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from cues_and_classifiers import REGISTRY
 from deep_page import write
-from deep_plan import CUES, DARKER, FEW, FOLDS, METHODS, PLACES
+from deep_plan import CUES, DARKER, FEW, FOLDS, METHODS, NETWORKS, PLACES, TIMED
 from hydra import compose, initialize_config_module
 from nyu_frames import ROOMS, Frames, OuterFold, frames, outer_folds
 
-from placecue import Observation, Pipeline, Schemes, StoredEvidence
+from placecue import Extraction, Observation, Pipeline, Schemes, StoredEvidence
 from placecue.components.build import plain
 from placecue.components.options import register_with_hydra
 from placecue.components.pipelines import build_pipeline
@@ -97,6 +98,35 @@ def darkened(seen: Frames, by: int) -> Frames:
 def _darkened(observation: Observation, by: int) -> Observation:
     image = np.asarray(observation.image)
     return observation.altered(f"darkened by {by}", image=(image // by).astype(np.uint8))
+
+
+def network(data: Path, name: str, cache: FeatureCache) -> dict[str, Any]:
+    """Return decisions by one of the networks alone, and what a frame takes, ms."""
+    made: dict[str, Any] = {}
+    for rooms, places in ROOMS.items():
+        truth, scenes, decided = [], [], []
+        for fold in outer_folds(data, places, FOLDS):
+            pipeline = pipeline_of(["cue=lite0", f"cues.lite0.network={name}", "integrator=none"])
+            pipeline.extraction = cache
+            pipeline.fit(fold.training)
+            decided += [belief.label for belief in pipeline.beliefs(fold.held_out, 32)]
+            truth += fold.held_out.labels.tolist()
+            scenes += fold.held_out.scenes.tolist()
+        made[rooms] = {"truth": truth, "scenes": scenes, "decided": decided}
+    pipeline.extraction = Extraction()
+    made["ms"] = _milliseconds(pipeline, fold.training.observations[:TIMED])
+    return made
+
+
+def _milliseconds(pipeline: Pipeline, observations: Sequence[Observation]) -> float:
+    """Return the median of what one frame takes, from its JPEG to its belief."""
+    taken = []
+    for observation in observations:
+        fresh = observation.relabelled(observation.label)  # whose image is not decoded yet
+        began = perf_counter()
+        list(pipeline.beliefs([fresh]))
+        taken.append(perf_counter() - began)
+    return 1000 * float(np.median(taken))
 
 
 # ---------------------------------------------------------------------- with few labels, or none
@@ -183,6 +213,8 @@ def main() -> None:
     data, folder = Path(os.environ["PLACECUE_DATA"]), arguments.folder
     with FeatureCache(folder / "features", REGISTRY) as cache:
         kept(folder / "untrained.json", lambda: untrained(data, cache))
+        for name in NETWORKS:
+            kept(folder / "networks" / f"{name}.json", partial(network, data, name, cache))
         kept(folder / "few_labels.json", lambda: few_labels(data, cache))
         for rooms in arguments.rooms:
             for number, fold in enumerate(outer_folds(data, ROOMS[rooms], FOLDS)):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS
+from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS, NETWORKS
 from nyu_frames import ROOMS
 from scene_bootstrap import SceneBootstrap
 from tables import put, table
@@ -23,6 +23,7 @@ def write(folder: Path) -> None:
         PAGE,
         {
             "trained": _trained(found),
+            "networks": _networks(folder),
             "untrained": _untrained(json.loads((folder / "untrained.json").read_text())),
             "few": _few(json.loads((folder / "few_labels.json").read_text())),
             "dark": _dark(found["four"]),
@@ -65,6 +66,19 @@ def _trained(found: dict[str, Found]) -> str:
             rows.append([method, *cells])
     heads = [head for rooms in found for head in (f"{rooms} rooms", f"less {BASE}")]
     return table(["", *heads], rows)
+
+
+def _networks(folder: Path) -> str:
+    rows = []
+    for name in NETWORKS:
+        of = json.loads((folder / "networks" / f"{name}.json").read_text())
+        cells = []
+        for rooms in ROOMS:
+            parts = of[rooms]
+            draws = SceneBootstrap(np.array(parts["truth"]), np.array(parts["scenes"]))
+            cells.append(_shown(draws, np.array(parts["decided"])))
+        rows.append([name, *cells, f"{of['ms']:.0f}"])
+    return table(["", *(f"{rooms} rooms" for rooms in ROOMS), "ms a frame"], rows)
 
 
 def _untrained(found: dict[str, Found]) -> str:

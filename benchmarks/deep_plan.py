@@ -25,6 +25,10 @@ METHODS: dict[str, tuple[tuple[str, ...], str]] = {
     "lite0 + Fisher + laser, linear": (("lite0", "fisher_vector", "laser"), "svm_das_linear"),
     "lite0 + Fisher + laser, G-DAS": (("lite0", "fisher_vector", "laser"), "gdas"),
 }
+#: The networks, smallest first.
+NETWORKS = ("lite0", "lite1", "lite2")
+#: Frames that are timed one by one.
+TIMED = 100
 BASE = "lite0"
 #: What the light is divided by in test.
 DARKER = (2, 4, 8)

@@ -60,6 +60,12 @@ class Objects(Cue):
                 f"got {described(self.network)}"
             )
 
+        if isinstance(self.network, EfficientNetLite) and self.network.output != "logits":
+            raise UsageError(
+                f"objects takes scores of objects, and its network gives {self.network.output}: "
+                "give {plugin: lite0, output: logits}, or output=logits"
+            )
+
     def prepare(self) -> None:
         """Open the network."""
         if not hasattr(self, "network_"):

@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS, NETWORKS
+from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS, NETWORKS, SHOWN_DARK
+from matplotlib.figure import Figure
 from nyu_frames import ROOMS
 from scene_bootstrap import SceneBootstrap
 from tables import put, table
+
+from placecue.evaluation.pictures import save_picture
 
 PAGE = Path(__file__).parents[1] / "docs" / "deep.md"
 Found = dict[str, Any]
@@ -19,6 +22,7 @@ Found = dict[str, Any]
 def write(folder: Path) -> None:
     """Write the tables of all that is finished into the page."""
     found = {rooms: _joined(folder, rooms) for rooms in ROOMS}
+    draw_dark(found["four"])
     put(
         PAGE,
         {
@@ -113,6 +117,23 @@ def _dark(of: Found) -> str:
         if name in of
     ]
     return table(["light", "1", *(f"1/{by}" for by in DARKER)], rows)
+
+
+def draw_dark(of: Found) -> Path:
+    """Draw how much is recognised in how much light."""
+    figure = Figure(figsize=(6.4, 3.8), layout="constrained")
+    axes = figure.subplots()
+    lights = (1, *DARKER)
+    for name in SHOWN_DARK:
+        levels = ("", *(f" / {by}" for by in DARKER))
+        axes.plot(lights, [_accuracy(of["truth"], of[f"{name}{each}"]) for each in levels],
+                  marker="o", label=name)  # fmt: skip
+    axes.set_xscale("log", base=2)
+    axes.set_xticks(lights, ["1", *(f"1/{by}" for by in DARKER)])
+    axes.axhline(100 / len(ROOMS["four"]), color="0.6", linestyle=":", label="chance")
+    axes.set(xlabel="light in test", ylabel="balanced accuracy (%)", ylim=(20, 85))
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
+    return save_picture(figure, PAGE.with_name("deep_dark.png"))
 
 
 def _cell(of: Found, name: str) -> str:

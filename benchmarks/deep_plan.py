@@ -32,6 +32,8 @@ TIMED = 100
 BASE = "lite0"
 #: What the light is divided by in test.
 DARKER = (2, 4, 8)
+#: The rows of the figure.
+SHOWN_DARK = ("lite0", "laser", "CRFH", "CRFH + laser", "lite0 + laser")
 #: Labels a class; 0 is all of the training frames.
 FEW = (1, 5, 10, 0)
 #: Which places the table is asked for.

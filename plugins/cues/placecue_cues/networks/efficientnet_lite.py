@@ -11,7 +11,6 @@ the Lite variants have no squeeze-and-excitation, and ReLU6 for swish.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -36,6 +35,7 @@ class _Writer:
     tensors: Tensors
     name: str
     side: int
+    channels: int = 3
 
     def convolution(self, layer: str, norm: str, stride: int = 1, clipped: bool = True) -> None:
         """Add a convolution with "same" padding, its batch norm and, mostly, ReLU6."""
@@ -54,22 +54,18 @@ class _Writer:
             # One channel in for each out: every channel by itself.
             group=len(weight) if "depthwise" in layer else 1,
         )
-        self.side = after
+        self.side, self.channels = after, len(weight)
         if clipped:
             self.name = self.graph.node("Clip", [self.name, "zero", "six"], f"{layer}.relu6")
 
     def block(self, number: int, stride: int) -> None:
         """Add an inverted residual block."""
-        into, block = self.name, f"_blocks.{number}"
+        into, channels, block = self.name, self.channels, f"_blocks.{number}"
         if f"{block}._expand_conv.weight" in self.tensors:
             self.convolution(f"{block}._expand_conv", f"{block}._bn0")
         self.convolution(f"{block}._depthwise_conv", f"{block}._bn1", stride)
         self.convolution(f"{block}._project_conv", f"{block}._bn2", clipped=False)
-        first = "expand" if f"{block}._expand_conv.weight" in self.tensors else "depthwise"
-        channels = self.tensors[f"{block}._{first}_conv.weight"].shape[int(first == "expand")]
-        if first == "depthwise":
-            channels = len(self.tensors[f"{block}._depthwise_conv.weight"])
-        if stride == 1 and channels == len(self.tensors[f"{block}._project_conv.weight"]):
+        if stride == 1 and channels == self.channels:
             self.name = self.graph.node("Add", [into, self.name], f"{block}.sum")
 
 
@@ -110,12 +106,6 @@ def efficientnet_lite(tensors: Tensors, side: int, repeats: tuple[int, ...]) -> 
     graph.output("embedding", "n", int(width))
     graph.output("logits", "n", int(classes))
     return graph.model()
-
-
-def blocks_of(tensors: Tensors) -> int:
-    """Return how many blocks a state dict has."""
-    found = (re.match(r"_blocks\.(\d+)\.", name) for name in tensors)
-    return 1 + max((int(each[1]) for each in found if each), default=-1)
 
 
 def folded(

@@ -146,6 +146,7 @@ class Preparation:
         return np.ascontiguousarray(made.transpose(2, 0, 1) if self.layout == "nchw" else made)
 
     def _sized(self, image: NDArray[np.uint8], height: int, width: int) -> NDArray[Any]:
+        """Return an image of the network's size, framed as asked."""
         rows, columns = image.shape[:2]
         if self.framing == "crop":
             scale = min(rows / height, columns / width)
@@ -157,12 +158,9 @@ class Preparation:
         scale = max(rows / height, columns / width)
         inner = max(round(rows / scale), 1), max(round(columns / scale), 1)
         top, left = (height - inner[0]) // 2, (width - inner[1]) // 2
-        around = (top, height - inner[0] - top), (left, width - inner[1] - left)
-        small = _resized(image, *inner)
-        grey = np.broadcast_to(np.asarray(self.mean).mean().astype(np.uint8), small.shape[2:])
-        made = np.empty((height, width, *small.shape[2:]), dtype=np.uint8)
-        made[:] = grey
-        made[around[0][0] : around[0][0] + inner[0], around[1][0] : around[1][0] + inner[1]] = small
+        grey = np.asarray(self.mean).mean().astype(np.uint8)
+        made = np.full((height, width, *image.shape[2:]), grey, dtype=np.uint8)
+        made[top : top + inner[0], left : left + inner[1]] = _resized(image, *inner)
         return made
 
     def vectors(self, made: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -79,6 +79,8 @@ if TYPE_CHECKING:
         RangeScaling,
         Scaling,
         StandardScaling,
+        UnitLength,
+        unit_length,
     )
     from placecue.scene_folds import Scenes
     from placecue.schemes import Schemes, sets_of
@@ -95,6 +97,7 @@ if TYPE_CHECKING:
     from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
     from placecue.source import Source
     from placecue.training_set import TrainingSet
+    from placecue.user_folders import cache_folder
 
 __version__ = "0.1.0"
 
@@ -179,12 +182,14 @@ __all__ = [
     "Transform",
     "UNKNOWN",
     "UnfitSamples",
+    "UnitLength",
     "Unknown",
     "UnusableObservation",
     "UsageError",
     "WrongKind",
     "__version__",
     "allow_estimators",
+    "cache_folder",
     "call",
     "check_choice",
     "check_flag",
@@ -212,6 +217,7 @@ __all__ = [
     "step",
     "take",
     "track",
+    "unit_length",
     "virtual_scan",
     "wrong_kind",
 ]
@@ -278,6 +284,8 @@ _MODULES = {
         "RangeScaling",
         "Scaling",
         "StandardScaling",
+        "UnitLength",
+        "unit_length",
     ),
     "schemes": ("Schemes", "sets_of"),
     "scores": (
@@ -294,6 +302,7 @@ _MODULES = {
     "semantic_map": ("UNKNOWN", "Area", "Node", "SemanticMap"),
     "source": ("Source",),
     "training_set": ("TrainingSet",),
+    "user_folders": ("cache_folder",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

@@ -73,6 +73,14 @@ class Cue(Estimator, ABC):
         """Learn from training observations; the default learns nothing."""
         return self
 
+    def prepare(self) -> None:
+        """Get ready, before features are extracted or looked for where they were kept.
+
+        For cues that read a file, such as a network: they keep its digest under a name that ends
+        in ``_``, so that the feature cache and a model know which file the features are of. It may
+        be called any number of times. The default does nothing.
+        """
+
     def augmentations(self) -> Sequence[Augmentation]:
         """Return what training does to each observation to get further samples of its class.
 

@@ -122,6 +122,55 @@ class QuantileScaling(Scaling):
         return np.asarray(2 * place / last - 1)
 
 
+class UnitLength(Scaling):
+    """Every sample to unit Euclidean length, after another scaling; one that is 0 stays so.
+
+    What is left is the direction of a vector, which for the outputs of networks says more than how
+    strong they are all together.
+
+    Parameters
+    ----------
+    scaling : Scaling, optional
+        Scales the columns first; none by default.
+
+    Attributes
+    ----------
+    scaling_ : Scaling or None
+        The fitted one.
+    """
+
+    def __init__(self, scaling: Scaling | None = None) -> None:
+        self.scaling = scaling
+
+    def check_parameters(self) -> None:  # noqa: D102
+        if self.scaling is not None and not isinstance(self.scaling, Scaling):
+            raise UsageError(f"scaling.scaling must be a Scaling or None, got {self.scaling!r}")
+
+    def fit(self, features: Matrix) -> Self:  # noqa: D102
+        return self.train(features)
+
+    def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
+        """Learn from training samples; see :meth:`Scaling.train`."""
+        self.check_parameters()
+        self.scaling_ = None
+        if self.scaling is not None:
+            self.scaling_ = clone(self.scaling)
+            call(self.scaling_, "train", features, families)
+        return self
+
+    def transform(self, features: Matrix) -> Matrix:  # noqa: D102
+        if self.scaling_ is not None:
+            check = partial(contracts.scaled, shape=features.shape)
+            features = call(self.scaling_, "transform", features, check=check)
+        return unit_length(features)
+
+
+def unit_length(rows: Matrix) -> Matrix:
+    """Return rows of unit Euclidean length, shape (n, d); a row of zeros stays."""
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.asarray(rows / np.where(lengths > 0, lengths, 1.0))
+
+
 class FamilyScaling(Scaling):
     """Gives every family of features the same weight, however many features it has.
 

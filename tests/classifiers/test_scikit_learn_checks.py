@@ -8,6 +8,7 @@ from classifiers.checks import cannot_apply
 from placecue.scaling import StandardScaling
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.grid_search import GridSearch
+from placecue_classifiers.nearest_mean import NearestMean
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM
 from placecue_kernels.hi import HistogramIntersection
@@ -22,6 +23,8 @@ CLASSIFIERS = [
     SVM(kernel=RBF(), search={"C": [1, 100], "gamma": [0.1, 0.5]}, scaling=StandardScaling()),
     SVM(kernel=HistogramIntersection()),
     SVM(kernel=Linear()),
+    NearestMean(),
+    NearestMean("shared"),
     AdaBoost(rounds=20),
     AdaBoost(rounds=20, output="probability"),
     AdaBoost(rounds=20, criterion="gini"),

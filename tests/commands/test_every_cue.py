@@ -32,6 +32,7 @@ CUES = (
     "color_histogram",
     "fisher_vector",
     "bag_of_words",
+    "lite0",
 )
 
 

@@ -21,6 +21,8 @@ NEEDED = {
     "convert": ["source=carmen", "log=a.log", "out=a.mcap"],
     "info": ["log=a.mcap"],
     "label": ["model=m", "log=a.mcap"],
+    "suggest": ["model=m", "log=a.mcap"],
+    "teach": ["model=m", "log=a.mcap"],
 }
 
 

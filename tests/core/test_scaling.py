@@ -11,6 +11,7 @@ from placecue.scaling import (
     RangeScaling,
     Scaling,
     StandardScaling,
+    UnitLength,
 )
 
 TRAINING = np.random.default_rng(0).gamma(2.0, size=(200, 4)) * [1, 10, 0.1, 5]
@@ -26,6 +27,18 @@ def test_range_is_not_clipped() -> None:
 def test_standard() -> None:
     expected = StandardScaler().fit(TRAINING).transform(OTHER)
     assert StandardScaling().fit(TRAINING).transform(OTHER) == pytest.approx(expected)
+
+
+def test_unit_length_after_another_scaling() -> None:
+    rows = np.array([[3.0, 4], [0, 0], [-5, 0]])
+    found = UnitLength().fit(rows).transform(rows)
+    assert found.tolist() == [[0.6, 0.8], [0, 0], [-1, 0]]
+    standard = StandardScaler().fit(TRAINING).transform(OTHER)
+    expected = standard / np.linalg.norm(standard, axis=1, keepdims=True)
+    found = UnitLength(StandardScaling()).fit(TRAINING).transform(OTHER)
+    assert found == pytest.approx(expected)
+    with pytest.raises(UsageError, match="must be a Scaling"):
+        UnitLength("standard").fit(TRAINING)  # type: ignore[arg-type]
 
 
 def test_quantiles_are_ranks_between_minus_one_and_one() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
+from placecue.user_folders import cache_folder
 
 if TYPE_CHECKING:
     from placecue.extraction import Extraction
@@ -63,10 +63,8 @@ def cache_of(config: Mapping[str, Any]) -> tuple[Path | None, float | None]:
 
 
 def _path(folder: str) -> Path | None:
-    if folder == "default":
-        folder = os.path.join(os.environ.get("XDG_CACHE_HOME") or "~/.cache", "placecue")  # noqa: PTH118
     try:
-        return Path(folder).expanduser()
+        return cache_folder() if folder == "default" else Path(folder).expanduser()
     except RuntimeError:  # a user without a home
         log.warning(f"features are not kept: {folder} cannot be found; give cache.folder=PATH")
         return None

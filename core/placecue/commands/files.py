@@ -13,12 +13,14 @@ from placecue.storage.manifest import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
 
 BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"
+SUGGESTIONS = "suggestions.csv"
 MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
 EVALUATED = ("experiment.json", "results.csv", REPORT)
 TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
+SUGGESTED = (SUGGESTIONS, REPORT)
 LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE, REPORT)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 

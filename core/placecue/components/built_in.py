@@ -73,6 +73,13 @@ def _scalings() -> list[Component]:
         ),
         Component(
             kind="scaling",
+            name="unit",
+            factory="placecue.scaling:UnitLength",
+            summary="Every sample to unit length, after another scaling",
+            requires=("dense vectors",),
+        ),
+        Component(
+            kind="scaling",
             name="families",
             factory="placecue.scaling:FamilyScaling",
             summary="Every family of features the same weight, after another scaling",

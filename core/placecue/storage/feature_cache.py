@@ -27,6 +27,7 @@ from placecue.cue import Cue
 from placecue.errors import ComponentError, PlacecueError, UnusableObservation, UsageError
 from placecue.extraction import AnyCue, Extracted, Extraction, ready
 from placecue.features import Features, single, stack
+from placecue.guard import call
 from placecue.observation import READING, Observation, Origin
 from placecue.storage import cache_folder
 from placecue.storage.arrays import read_arrays, write_arrays
@@ -243,6 +244,7 @@ class _Keys:
             parameters = _json(cue.get_params(deep=False))
         except (PicklingError, TypeError, AttributeError):
             return None
+        call(cue, "prepare")
         known, state = self._known.get((id(cue), altered)), learned(cue)
         if known is not None and known[:2] == (cue, parameters) and _same(known[2], state):
             return known[3]

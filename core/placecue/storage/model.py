@@ -58,6 +58,7 @@ def save_model(
     registry: Registry,
     *,
     trained_on: Iterable[Source] = (),
+    earlier: Iterable[Mapping[str, Any]] = (),
     config: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write a fitted pipeline into a folder.
@@ -73,6 +74,8 @@ def save_model(
         Names the components.
     trained_on : iterable of Source
         The logs, whose digests the manifest records.
+    earlier : iterable of mapping
+        What the manifest of a model says of the logs that it had been trained on before.
     config : mapping, optional
         The resolved config of the run; by default that of the pipeline alone.
 
@@ -100,8 +103,11 @@ def save_model(
         "pipeline": composition,
         "plugins": plugins_of(components, registry),
         "logs": [
-            {"name": _text(log.name), "digest": log.digest(), "metadata": dict(log.metadata)}
-            for log in trained_on
+            *(dict(each) for each in earlier),
+            *(
+                {"name": _text(log.name), "digest": log.digest(), "metadata": dict(log.metadata)}
+                for log in trained_on
+            ),
         ],
         "versions": {"python": platform.python_version(), **_versions()},
     }

@@ -25,6 +25,20 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="classifier",
+            name="nearest_mean",
+            factory="placecue_classifiers.nearest_mean:NearestMean",
+            summary="Nearest class mean on features of unit length; goes on learning exactly",
+            requires=("dense vectors",),
+        ),
+        Component(
+            kind="classifier",
+            name="knowledge",
+            factory="placecue_classifiers.knowledge:Knowledge",
+            summary="Places from objects, by a table of which stand where; needs no training",
+            requires=("scores of objects",),
+        ),
+        Component(
+            kind="classifier",
             name="sklearn",
             factory="placecue_classifiers.scikit_learn:ScikitLearn",
             summary="Any classifier of scikit-learn, by its dotted name",

@@ -67,6 +67,27 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="cue",
+            name="lite0",
+            factory="placecue_cues.lite:EfficientNetLite",
+            summary="What EfficientNet-Lite, trained on ImageNet, makes of the image",
+            requires=("image", "placecue[deep]"),
+        ),
+        Component(
+            kind="cue",
+            name="onnx",
+            factory="placecue_cues.deep:OnnxNetwork",
+            summary="An output of any ONNX image network",
+            requires=("image", "placecue[deep]"),
+        ),
+        Component(
+            kind="cue",
+            name="objects",
+            factory="placecue_cues.objects:Objects",
+            summary="Scores of the objects that an image classifier knows (Rottmann et al. 2005)",
+            requires=("image", "placecue[deep]"),
+        ),
+        Component(
+            kind="cue",
             name="joint",
             factory="placecue_cues.joint:Joint",
             summary="Features of several cues for one classifier (low-level integration)",

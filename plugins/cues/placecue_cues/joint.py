@@ -71,6 +71,11 @@ class Joint(Cue):
         }
         return {name: each for name, each in made.items() if each is not None}
 
+    def prepare(self) -> None:
+        """Let the parts get ready."""
+        for cue in self._named.values():
+            call(cue, "prepare")
+
     def fit(self, observations: Iterable[Observation], labels: Any = None) -> Self:
         """Fit the parts that learn.
 

@@ -17,6 +17,8 @@ from placecue.limits import current_limits
 log = logging.getLogger(__name__)
 
 COLUMNS = ("start", "end", "label")
+#: A further column, of what a model says; a line of it may be left without a label.
+SUGGESTED = "suggested"
 #: A number without a point that is at least this large is nanoseconds, anything else seconds.
 NANOSECONDS_FROM = 10**14
 #: Times have at most so many digits before the point; to write out more can take forever.
@@ -116,9 +118,10 @@ class Intervals:
                     )
                 found = []
                 for row in rows:
-                    found.append(_interval(row, f"{path}, line {rows.line_num}"))
-                    if over := current_limits().over("rows", len(found)):
-                        raise DataError(f"{path} has {len(found)} rows, {over}")
+                    if over := current_limits().over("rows", rows.line_num):
+                        raise DataError(f"{path} has {rows.line_num} rows, {over}")
+                    if not _left_open(row):
+                        found.append(_interval(row, f"{path}, line {rows.line_num}"))
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise DataError(f"cannot read the labels {path}: {error}") from error
         return cls._checked(sorted(found), path)
@@ -126,7 +129,7 @@ class Intervals:
     @classmethod
     def _checked(cls, found: list[tuple[int, int, str, str]], path: str | Path) -> Intervals:
         if not found:
-            raise DataError(f"{path} holds no labels: only its first line is there")
+            raise DataError(f"{path} holds no labels: fill in the column label of a line or more")
         for (_, end, _, _), (start, _, _, line) in pairwise(found):
             if start < end:
                 raise DataError(f"{line}: the interval overlaps the one before it in time")
@@ -162,6 +165,11 @@ def _shown(stamp: int) -> str:
         return f"{text} s"
     date = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=stamp // 1000)
     return f"{text} s ({date:%Y-%m-%d %H:%M:%S} UTC)"
+
+
+def _left_open(row: dict[str, str | None]) -> bool:
+    """Tell whether a moment that ``placecue suggest`` wrote has been given no label."""
+    return SUGGESTED in row and not (row["label"] or "").strip()
 
 
 def _interval(row: dict[str, str | None], line: str) -> tuple[int, int, str, str]:

@@ -1,0 +1,1 @@
+"""Image networks: read, built, run."""

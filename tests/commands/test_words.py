@@ -8,9 +8,9 @@ import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import ChoiceSweep
 
-from placecue.commands.label_names import read_names
-from placecue.commands.logs import relabelled
+from placecue.commands.label_names import read_names, with_names
 from placecue.errors import UsageError
+from placecue.labels.relabelled import relabelled
 from placecue.observation import Observation
 from placecue.words import as_typed
 from rooms import Rooms
@@ -67,7 +67,7 @@ def test_a_map_of_labels_in_a_file(tmp_path: Path) -> None:
     path = tmp_path / "names.yaml"
     path.write_text("\ufeffcorridor: couloir\n厨房: cuisine\nhall: null\n", "utf-8")
     assert read_names(str(path)) == {"corridor": "couloir", "厨房": "cuisine", "hall": None}
-    source = relabelled(Rooms(), {"label_map": str(path)})
+    source = relabelled(Rooms(), with_names({"label_map": str(path)}))
     first: Observation = next(iter(source))
     assert first.label is not None
 

@@ -101,7 +101,7 @@ def test_what_happened_to_the_time_is_told_once(
     assert found == [round(t * SECOND) for t in [10.0, 10.1, 10.1, 10.2, 1.0, 1.1, 1.2, 1.3]]
     list(opened)
     apart, record = caplog.records
-    assert "/scan 10.1 s behind" in apart.message  # the median of the first five: 10.0, 10.1 ...
+    assert "/scan 10.0 s behind" in apart.message  # the median of the first five: 10.0, 10.1 ...
     assert "1 jumps back in the time of scans" in record.message
     assert f"the first: at stamp {START + SECOND}" in record.message
     assert "1 scans have the stamp of the one before" in record.message

@@ -260,7 +260,10 @@ def test_recorded_bags(
         span = math.degrees(each.scan.angles[-1] - each.scan.angles[0])
         assert span == pytest.approx(view, abs=1.1)
         assert each.scan.mount.theta == pytest.approx(turned)
-    assert len(caplog.records) <= 1
+    told = [each.message for each in caplog.records]
+    assert len([each for each in told if "recorder's clock" not in each]) <= 1
+    posed = sum(each.pose is not None for each in seen)
+    assert posed > 0.8 * len(seen)  # the clocks of some of them are 80 s apart from the recorder's
 
 
 @needs_data

@@ -196,13 +196,14 @@ class McapLog(LogOptions):
         if not self._faults_told:
             self._tell_taken()
         seen = Seen()
+        own_clock = self.intervals is not None and not reading.recorded
         for observation in reading.observations():
             seen.add(observation.stamp)
-            if self.intervals is not None and len(seen) == 1:
+            if self.intervals is not None and own_clock and len(seen) == 1:
                 length = self.file.contents.end - self.file.contents.start
                 self.intervals.check_clock(observation.stamp, length, str(self.path))
             yield observation
-        if self.intervals is not None and not self._faults_told:
+        if self.intervals is not None and own_clock and not self._faults_told:
             self.intervals.tell_apart(seen, str(self.path))
         if not self._faults_told:
             reading.faults.report()

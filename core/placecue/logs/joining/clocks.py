@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from statistics import median
 
 from placecue.errors import UnusableObservation
 from placecue.logs.joining.items import APART, TopicReader
@@ -13,9 +12,11 @@ from placecue.logs.mcap.container import LogFile
 log = logging.getLogger(__name__)
 
 #: So many messages of each topic say what its clock is.
-SOME = 5
+SOME = 10
+#: With so many, one that lies in the future is left aside.
+ENOUGH = 5
 #: So long is looked for them, s.
-BEGINNING = 5.0
+BEGINNING = 60.0
 #: Transforms may be dated ahead, so that they hold until the next.
 APART_OF_TRANSFORMS = 2 * APART
 
@@ -23,7 +24,9 @@ APART_OF_TRANSFORMS = 2 * APART
 def measured(file: LogFile, readers: Sequence[TopicReader]) -> dict[str, int]:
     """Return how far the headers of each topic are behind the recorder's clock, ns.
 
-    The median over the first messages that have a stamp; topics without any are left out.
+    What comes late over a network says nothing of a clock, and nothing comes early: the least
+    distance over some messages that have a stamp counts, one that lies in the future apart. Topics
+    without any are left out.
 
     Parameters
     ----------
@@ -56,7 +59,12 @@ def measured(file: LogFile, readers: Sequence[TopicReader]) -> dict[str, int]:
             found[name].append(message.log_time - stamp)
         if all(seen[each] >= count for each, count in expected.items()):
             break
-    return {name: round(median(offsets)) for name, offsets in found.items() if offsets}
+    return {name: _least(offsets) for name, offsets in found.items() if offsets}
+
+
+def _least(offsets: Sequence[int]) -> int:
+    ordered = sorted(offsets)
+    return ordered[1] if len(ordered) >= ENOUGH else ordered[0]
 
 
 def set_clocks(readers: Sequence[TopicReader], behind: Mapping[str, int], driver: str) -> None:
@@ -79,7 +87,12 @@ def set_clocks(readers: Sequence[TopicReader], behind: Mapping[str, int], driver
 
 
 def shift_of(behind: Mapping[str, int], topic: str, driver: str, transforms: bool) -> int:
-    """Return what brings the stamps of a topic to the clock of another, ns; 0 if it is one."""
+    """Return what brings the stamps of a topic to the clock of another, ns; 0 if it is one.
+
+    Where the other's clock is not known nothing is brought to it.
+    """
+    if driver not in behind:
+        return 0
     own = behind.get(driver, 0)
     apart = behind.get(topic, own) - own
     return apart if abs(apart) > (APART_OF_TRANSFORMS if transforms else APART) else 0

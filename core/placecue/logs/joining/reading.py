@@ -82,6 +82,7 @@ class Reading:
         followers: list[Part] = [p for p in ("scan", "pose") if p != driver and p in roles]
         spans = (round(seconds * 1e9) for seconds in (tolerance, window, pose_gap))
         parts: list[Part] = [*followers, "pose"] if motion and motion.from_transforms else followers
+        self.recorded = recorded
         assembler = Assembler(driver, parts, intervals, self.faults, motion, recorded)
         self._assembler = assembler
         moving = motion if any(reader.role == "transform" for reader in readers) else None

@@ -30,6 +30,8 @@ PATHS: dict[str, tuple[str, ...]] = {
     "train": (LOG,),
     "classify": (LOG, MODEL),
     "label": (LOG, MODEL),
+    "teach": (LOG, MODEL),
+    "suggest": (LOG, MODEL),
     "evaluate": (LOG,),
     "report": (OUT,),
     "convert": (LOG, OUT),

@@ -44,6 +44,14 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "placecue info run.bag rooms=rooms.geojson out=way.png",
         "placecue info run.mcap --json",
     ),
+    "teach": (
+        "placecue teach model run2.mcap out=taught",
+        "placecue teach model run2.mcap labels=suggested/suggestions.csv out=taught",
+    ),
+    "suggest": (
+        "placecue suggest model run2.mcap out=suggested",
+        "placecue suggest model run2.mcap moments=50 out=suggested",
+    ),
     "cache": ("placecue cache", "placecue cache unused_days=30", "placecue cache trim_to=2"),
     "plugins": ("placecue plugins", "placecue plugins kind=cue", "placecue plugins --json"),
     "doctor": ("placecue doctor", "placecue doctor run.bag", "placecue doctor run.mcap model"),
@@ -60,6 +68,8 @@ USAGE: dict[str, str] = {
     "convert": "LOG OUT.mcap",
     "annotate": "LOG.mcap OUT.mcap",
     "info": "LOG ...",
+    "teach": "MODEL LOG ...",
+    "suggest": "MODEL LOG ...",
     "doctor": "[LOG] [MODEL]",
 }
 

@@ -25,6 +25,13 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="classifier",
+            name="boosted_trees",
+            factory="placecue_classifiers.boosted_trees:BoostedTrees",
+            summary="Gradient-boosted decision trees, small and fast",
+            requires=("dense vectors",),
+        ),
+        Component(
+            kind="classifier",
             name="sklearn",
             factory="placecue_classifiers.scikit_learn:ScikitLearn",
             summary="Any classifier of scikit-learn, by its dotted name",

@@ -14,7 +14,7 @@ from placecue.classifier import Classifier, wrong_kind
 from placecue.features import FeatureBatch, FeatureKind, kind_of
 from placecue.scores import Probabilities, Scores
 
-CLASS_WEIGHTS = ("balanced", None)
+CLASS_WEIGHTS = ("balanced",)
 
 
 class BoostedTrees(Classifier):
@@ -93,7 +93,8 @@ class BoostedTrees(Classifier):
         check_whole("leaf_samples", self.leaf_samples, least=1)
         check_number("learning_rate", self.learning_rate, above=0)
         check_number("l2", self.l2, least=0)
-        check_choice("class_weight", self.class_weight, CLASS_WEIGHTS)
+        if self.class_weight is not None:
+            check_choice("class_weight", self.class_weight, CLASS_WEIGHTS)
 
     def fit(
         self, features: FeatureBatch, labels: ArrayLike, stamps: ArrayLike | None = None

@@ -74,7 +74,8 @@ def _anywhere(room: Rectangle, width: float, height: float, rng: np.random.Gener
 
 def _table(room: Rectangle, rng: np.random.Generator) -> Iterator[Rectangle]:
     """Yield the legs of a table and its chairs, or a solid piece."""
-    table = _anywhere(room, *rng.uniform(0.6, 1.8, 2).tolist(), rng)
+    width, height = rng.uniform(0.6, 1.8, 2).tolist()
+    table = _anywhere(room, width, height, rng)
     if rng.random() < 0.4:
         yield table
         return

@@ -148,7 +148,7 @@ class Plans(Source):
         low, high = self.beams_per_degree
         beams = max(2, round(degrees * float(rng.uniform(low, high))))
         reach = drawn((self.max_range[0], self.max_range[1]), rng)
-        return Scanner(degrees, beams, reach, float(rng.uniform(*self.noise)))
+        return Scanner(degrees, beams, reach, float(rng.uniform(self.noise[0], self.noise[1])))
 
     def check(self) -> None:
         """Raise UsageError for parameters that cannot be."""

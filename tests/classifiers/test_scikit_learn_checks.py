@@ -26,7 +26,7 @@ CLASSIFIERS = [
     AdaBoost(rounds=20),
     AdaBoost(rounds=20, output="probability"),
     AdaBoost(rounds=20, criterion="gini"),
-    BoostedTrees(rounds=10, leaf_samples=1),
+    BoostedTrees(rounds=3, learning_rate=0.5, leaf_samples=1),
     GridSearch(AdaBoost(rounds=10), search={"rounds": [5, 10]}),
     ScikitLearn("sklearn.naive_bayes.GaussianNB"),
     ScikitLearn("sklearn.linear_model.RidgeClassifier"),

@@ -77,10 +77,10 @@ class LaserThenObjects(Integrator):
     def _agreement(self, laser: Matrix, objects: Matrix, rooms: list[int]) -> Matrix:
         """Return the share that objects give to what the laser says, shape (n,)."""
         corridor = self.places.columns([CORRIDOR])
-        if not corridor or not objects[:, corridor].any():
+        if not corridor:
             return np.ones(len(laser))
         seen, said = objects[:, corridor[0]], laser[:, corridor[0]]
         room = laser[:, rooms].sum(axis=1)
         doorway = 1 - said - room
         agreement = np.where(said >= room, seen, 1 - seen)
-        return np.where(doorway > np.maximum(said, room), 1.0, agreement)
+        return np.where((seen == 0) | (doorway > np.maximum(said, room)), 1.0, agreement)

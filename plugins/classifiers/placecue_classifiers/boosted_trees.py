@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Self
 
 import numpy as np
@@ -9,12 +10,11 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from sklearn.ensemble import HistGradientBoostingClassifier
 
-from placecue.checks import check_choice, check_number, check_whole
+from placecue.checks import check_number, check_whole
 from placecue.classifier import Classifier, wrong_kind
 from placecue.features import FeatureBatch, FeatureKind, kind_of
 from placecue.scores import Probabilities, Scores
-
-CLASS_WEIGHTS = ("balanced",)
+from placecue_classifiers.weights import ClassWeight, check_class_weight, of_classes
 
 
 class BoostedTrees(Classifier):
@@ -37,8 +37,8 @@ class BoostedTrees(Classifier):
         Fewest samples in a leaf.
     l2 : float
         Penalty on the values of leaves.
-    class_weight : {"balanced"} or None
-        Whether every class weighs the same, or every sample.
+    class_weight : {"balanced"}, mapping of class to weight, or None
+        Every class weighs the same, or as much as is given (1 where nothing is), or every sample.
     random_state : int
         For the sample that the bins of the histograms are found on.
 
@@ -75,7 +75,7 @@ class BoostedTrees(Classifier):
         leaves: int = 16,
         leaf_samples: int = 20,
         l2: float = 1.0,
-        class_weight: str | None = "balanced",
+        class_weight: ClassWeight = "balanced",
         random_state: int = 0,
     ) -> None:
         self.rounds = rounds
@@ -93,8 +93,7 @@ class BoostedTrees(Classifier):
         check_whole("leaf_samples", self.leaf_samples, least=1)
         check_number("learning_rate", self.learning_rate, above=0)
         check_number("l2", self.l2, least=0)
-        if self.class_weight is not None:
-            check_choice("class_weight", self.class_weight, CLASS_WEIGHTS)
+        check_class_weight(self.class_weight)
 
     def fit(
         self, features: FeatureBatch, labels: ArrayLike, stamps: ArrayLike | None = None
@@ -111,8 +110,10 @@ class BoostedTrees(Classifier):
         self.check_parameters()
         dense = _dense(self.training_samples(self._only_dense(features), labels))
         codes = self.learn_classes(labels)
+        by_name = of_classes(self.class_weight, self.class_names)
+        weights = None if by_name is None else by_name[codes]
         # Thresholds are kept in single precision, and so are samples when they are asked about.
-        self._keep(self._grown().fit(dense, codes))
+        self._keep(self._grown().fit(dense, codes, sample_weight=weights))
         self.width_ = int(dense.shape[1])
         self.layout_ = Probabilities(self.class_names)
         return self
@@ -160,7 +161,7 @@ class BoostedTrees(Classifier):
             max_leaf_nodes=self.leaves,
             min_samples_leaf=self.leaf_samples,
             l2_regularization=self.l2,
-            class_weight=self.class_weight,
+            class_weight=None if isinstance(self.class_weight, Mapping) else self.class_weight,
             early_stopping=False,
             random_state=self.random_state,
         )

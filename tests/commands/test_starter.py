@@ -1,0 +1,70 @@
+"""``placecue label`` and ``classify`` without a model: the starter."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from command_line import placecue, succeeds
+from placecue.semantic_map import SemanticMap
+from results import rows
+
+PLAN = ["source=floorplan", "source.mode=drive", "source.samples=40", "source.field_of_view=360"]
+
+
+@pytest.fixture(scope="module")
+def drive(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A log of a drive through two rooms and a hallway."""
+    out = tmp_path_factory.mktemp("starter") / "drive.mcap"
+    succeeds("convert", *PLAN, f"source.path={plan}", "source.rate=1", f"out={out}")
+    return out
+
+
+def test_a_map_from_nothing_but_a_log(tmp_path: Path, drive: Path) -> None:
+    told = succeeds("label", f"log={drive}", f"out={tmp_path / 'out'}")
+    [line] = [line for line in told.err.splitlines() if "no model=" in line]
+    assert "the starter tells corridor, doorway, room by the laser" in line
+    assert "placecue train" in line
+    semantic_map = SemanticMap.from_json(
+        json.loads((tmp_path / "out" / "semantic_map.json").read_text())
+    )
+    assert semantic_map.classes == ("corridor", "doorway", "room")
+    table = rows(tmp_path / "out" / "beliefs.csv")
+    # The plan's hallway is told as a corridor, so that the log is scored.
+    assert {row["truth"] for row in table} <= {"corridor", "doorway", "room"}
+    right = [row["truth"] == row["label"] for row in table if row["truth"] != "doorway"]
+    assert sum(right) / len(right) > 0.6
+    assert "balanced accuracy" in told.out
+
+
+def test_places_of_the_building(tmp_path: Path, drive: Path) -> None:
+    out = tmp_path / "out"
+    succeeds("classify", f"log={drive}", "places=[corridor,room]", f"out={out}")
+    assert {row["label"] for row in rows(out / "beliefs.csv")} <= {"corridor", "room"}
+
+
+@pytest.mark.parametrize("places", ["castle,corridor", "corridor"])
+def test_places_that_cannot_be(tmp_path: Path, drive: Path, places: str) -> None:
+    told = placecue("classify", f"log={drive}", f"places=[{places}]", f"out={tmp_path / 'out'}")
+    assert told.status == 2
+    assert len(told.err.splitlines()) == 1
+    assert "castle" in told.err if "castle" in places else "two or more" in told.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_model_has_its_own_places(tmp_path: Path, laser_model: Path, drive: Path) -> None:
+    words = [f"model={laser_model}", f"log={drive}", "places=[corridor,room]"]
+    told = placecue("classify", *words, f"out={tmp_path / 'out'}")
+    assert told.status == 2
+    assert "leave out places= or model=" in told.err
+
+
+def test_two_scanners_in_one_log(tmp_path: Path, plan: Path, drive: Path) -> None:
+    half = tmp_path / "half.mcap"
+    words = ["source.field_of_view=180", f"source.path={plan}", "source.rate=1"]
+    succeeds("convert", *PLAN, *words, f"out={half}")
+    out = tmp_path / "out"
+    succeeds("classify", f"log=[{drive},{half}]", f"out={out}")
+    assert len(rows(out / "beliefs.csv")) == 80

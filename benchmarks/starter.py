@@ -1,4 +1,4 @@
-"""How good the starter is in buildings that it has nothing to do with: the table of docs/starter.md.
+"""How good the starter is in buildings it has nothing to do with: the table of docs/starter.md.
 
     PLACECUE_DATA=data python benchmarks/starter.py
 

@@ -25,13 +25,6 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="classifier",
-            name="boosted_trees",
-            factory="placecue_classifiers.boosted_trees:BoostedTrees",
-            summary="Gradient-boosted decision trees, small and fast",
-            requires=("dense vectors",),
-        ),
-        Component(
-            kind="classifier",
             name="sklearn",
             factory="placecue_classifiers.scikit_learn:ScikitLearn",
             summary="Any classifier of scikit-learn, by its dotted name",
@@ -43,5 +36,12 @@ def placecue_components() -> list[Component]:
             factory="placecue_classifiers.grid_search:GridSearch",
             summary="Any classifier, with parameters picked by cross-validation",
             requires=("a classifier",),
+        ),
+        Component(
+            kind="classifier",
+            name="boosted_trees",
+            factory="placecue_classifiers.boosted_trees:BoostedTrees",
+            summary="Gradient-boosted decision trees, small and fast",
+            requires=("dense vectors",),
         ),
     ]

@@ -17,8 +17,13 @@ from placecue.components.manager import current_plugins
 from placecue.errors import PlacecueError, UsageError
 from placecue.evaluation.tally import Tally
 from placecue.semantic_map import UNKNOWN
+from placecue.starter.pipeline import Starter
 
 WRITES = files.DEMONSTRATED
+
+#: What the simulated office has, and its rooms as the table of objects calls them.
+PLACES = ("corridor", "kitchen", "office", "printer_area")
+NAMES = {"one_person_office": "office", "two_person_office": "office"}
 
 
 def run(config: dict[str, Any]) -> None:
@@ -40,6 +45,8 @@ def run(config: dict[str, Any]) -> None:
     print(f"\nclassifying and labelling {logs[1].name}, {unseen} ...")
     tally, fresh = Tally(), {"model": model, "other_versions": "refuse"}
     labelled = {**config, **fresh, "source": _reading(logs[1])}
+    if by_starter:
+        labelled |= {"places": _places(config), "label_map": NAMES, "unmapped_labels": "keep"}
     semantic_map = label.label(labelled, out, tally)
     if not tally.counts:
         raise PlacecueError(f"{logs[1]} gave no belief on a labelled observation: nothing to score")
@@ -62,6 +69,13 @@ def _trained(config: dict[str, Any], log: Path, out: Path) -> Path:
     print(f"training {' + '.join(config['cues'])} on {log.name} ...")
     show.training(*train.train({**config, "source": _reading(log)}, out))
     return out
+
+
+def _places(config: dict[str, Any]) -> Any:
+    """Return the places that the starter is told of: kinds of rooms where it can tell them."""
+    if config["places"] is None and Starter(current_plugins().registry).sees_objects:
+        return list(PLACES)
+    return config["places"]
 
 
 def _reading(log: Path) -> dict[str, Any]:

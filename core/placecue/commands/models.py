@@ -25,6 +25,8 @@ log = logging.getLogger(__name__)
 
 #: How many observations are looked at to see what a log has.
 PEEK = 20
+#: How many places are named when it is said what is told apart.
+NAMED = 8
 #: What the starter's scanners cover at least, degrees.
 NARROWEST = 175.0
 
@@ -88,7 +90,9 @@ def _starter(
 def _line(pipeline: Pipeline, images: bool, sees_objects: bool) -> str:
     """Return that the starter is used, and what would be gained without it."""
     by = {LASER: "the laser", OBJECTS: "objects in the images"}
-    told = f"no model=: the starter tells {', '.join(pipeline.classes)} by "
+    places = pipeline.classes
+    names = ", ".join(places) if len(places) <= NAMED else f"{len(places)} places"
+    told = f"no model=: the starter tells {names} by "
     told += " and ".join(by[cue] for cue in pipeline.cues)
     if not sees_objects:
         told += f"; {INSTALL} tells kinds of rooms where there is a camera"

@@ -74,10 +74,10 @@ def test_what_there_is_not_is_answered_with_what_there_is(
     [
         (["info"], "info needs log=...; see placecue info --help"),
         (["convert", "source=office"], "convert needs out=...; see placecue convert --help"),
-        (["classify", "log=a.mcap"], "classify needs model=...; see placecue classify --help"),
-        (["label", "log=a.mcap"], "label needs model=...; see placecue label --help"),
         (["train", *LASER], "nothing to read: give log=FILE, log=[FILE,FILE], or source=NAME sou"),
         (["convert", "source=mcap", "out=a.mcap"], "nothing to read: give log=FILE"),
+        (["classify"], "nothing to read: give log=FILE"),
+        (["label"], "nothing to read: give log=FILE"),
     ],
 )
 def test_what_is_missing(words: list[str], said: str, tmp_path: Path) -> None:

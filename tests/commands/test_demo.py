@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from command_line import placecue
 from placecue.commands.files import DEMONSTRATED
 from placecue.components.manager import load_plugins
@@ -51,7 +53,8 @@ def test_the_demo(tmp_path: Path) -> None:
     assert (out / "by_laser" / "beliefs.csv").is_file()
 
 
-def test_the_demo_without_labels(tmp_path: Path) -> None:
+def test_the_demo_without_labels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("placecue.starter.pipeline.find_spec", lambda name: None)  # no deep extra
     out = tmp_path / "demo"
     small = [f"source.{word}" for word in SMALL]
     told = placecue("demo", "starter=true", *small, f"out={out}")

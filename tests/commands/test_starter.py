@@ -89,3 +89,18 @@ def test_two_scanners_in_one_log(tmp_path: Path, floor: Path, drive: Path) -> No
     out = tmp_path / "out"
     by_starter("classify", f"log=[{drive},{half}]", f"out={out}")
     assert len(rows(out / "beliefs.csv")) == 80
+
+
+def test_images_without_what_looks_for_objects(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("placecue.starter.pipeline.find_spec", lambda name: None)
+    for name in ("kitchen", "office"):
+        (tmp_path / "images" / name).mkdir(parents=True)
+        cv2.imwrite(str(tmp_path / "images" / name / "a.png"), np.zeros((20, 30, 3), np.uint8))
+    words = ["source=image_folder", f"source.path={tmp_path / 'images'}"]
+    told = placecue("classify", *words, f"out={tmp_path / 'out'}")
+    assert told.status == 1
+    assert "no laser scans" in told.err
+    assert "pip install 'placecue[deep]'" in told.err
+    assert len(told.err.splitlines()) == 1

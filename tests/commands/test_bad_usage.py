@@ -152,7 +152,7 @@ def test_a_parameter_of_a_component_inside(
         (["accumulator.bin_x=0"], "bin_x is 0: give a size above 0"),
         (["accumulator.bin_x=wide"], "bin_x must be a number, got 'wide'"),
         (["accumulator.boundary.open_beams=1.5"], "open_beams must be a whole number, got 1.5"),
-        (["model=null"], "model must be a path, got None: give model=PATH"),
+        (["model="], "model must be a path, got '': give model=PATH"),
     ],
 )
 def test_values_that_cannot_be_in_labelling(

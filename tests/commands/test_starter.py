@@ -104,3 +104,19 @@ def test_images_without_what_looks_for_objects(
     assert "no laser scans" in told.err
     assert "pip install 'placecue[deep]'" in told.err
     assert len(told.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("scanner", "said"),
+    [
+        ("source.field_of_view=90", "cover 90 degrees"),
+        ("source.max_range=3.5", "reach 3.5 m"),
+    ],
+)
+def test_a_scanner_unlike_those_it_is_made_for(
+    tmp_path: Path, floor: Path, scanner: str, said: str
+) -> None:
+    words = ["source=floorplan", f"source.path={floor}", "source.samples=5"]
+    told = by_starter("classify", *words, scanner, f"out={tmp_path / 'out'}")
+    assert f"the scans {said}" in told.err
+    assert "a guess" in told.err

@@ -29,6 +29,8 @@ PEEK = 20
 NAMED = 8
 #: What the starter's scanners cover at least, degrees.
 NARROWEST = 175.0
+#: What they reach at least, m: with less, a room ends like a corridor.
+SHORTEST = 5.0
 
 
 def model_and_log(
@@ -83,7 +85,7 @@ def _starter(
     pipeline = starter.pipeline(config.get("places"), laser=scans, image=images)
     set_tolerance(pipeline, config)
     log.info(_line(pipeline, images, starter.sees_objects))
-    _warn_of_narrow(first)
+    _warn_of_scanner(first)
     return pipeline, InTerms(source, Places(pipeline.classes))
 
 
@@ -101,10 +103,17 @@ def _line(pipeline: Pipeline, images: bool, sees_objects: bool) -> str:
     return f"{told}; a model of labels of your own (placecue train) knows the building better"
 
 
-def _warn_of_narrow(first: Sequence[Observation]) -> None:
-    covered = [np.ptp(each.scan.angles) for each in first if each.scan and each.scan.angles.size]
-    if covered and np.degrees(max(covered)) < NARROWEST:
-        log.warning(
-            f"the scans cover {np.degrees(max(covered)):.0f} degrees, and the starter has been "
-            "made for 180 to 360: what it says of them is a guess"
-        )
+def _warn_of_scanner(first: Sequence[Observation]) -> None:
+    """Say where a scanner is unlike those that the starter has been made for."""
+    scans = [each.scan for each in first if each.scan and each.scan.angles.size]
+    if not scans:
+        return
+    covered = np.degrees(max(np.ptp(scan.angles) for scan in scans))
+    reach = max(scan.range_max for scan in scans)
+    if covered < NARROWEST:
+        unlike = f"cover {covered:.0f} degrees, and the starter has been made for 180 to 360"
+    elif reach < SHORTEST:
+        unlike = f"reach {reach:g} m, and the starter has been made for {SHORTEST:g} m or more"
+    else:
+        return
+    log.warning(f"the scans {unlike}: what it says of them is a guess")

@@ -9,12 +9,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from sklearn.ensemble import HistGradientBoostingClassifier
+from threadpoolctl import threadpool_limits
 
 from placecue.checks import check_number, check_whole
 from placecue.classifier import Classifier, wrong_kind
 from placecue.features import FeatureBatch, FeatureKind, kind_of
 from placecue.scores import Probabilities, Scores
 from placecue_classifiers.weights import ClassWeight, check_class_weight, of_classes
+
+#: Fewest numbers in the training samples for more than one thread.
+_WORTH_THREADS = 1_000_000
 
 
 class BoostedTrees(Classifier):
@@ -112,8 +116,11 @@ class BoostedTrees(Classifier):
         codes = self.learn_classes(labels)
         by_name = of_classes(self.class_weight, self.class_names)
         weights = None if by_name is None else by_name[codes]
-        # Thresholds are kept in single precision, and so are samples when they are asked about.
-        self._keep(self._grown().fit(dense, codes, sample_weight=weights))
+        # On few samples threads wait for one another longer than they work.
+        threads = 1 if dense.size < _WORTH_THREADS else None
+        with threadpool_limits(threads, "openmp"):
+            grown = self._grown().fit(dense, codes, sample_weight=weights)
+        self._keep(grown)
         self.width_ = int(dense.shape[1])
         self.layout_ = Probabilities(self.class_names)
         return self

@@ -7,6 +7,7 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 from classifiers.checks import cannot_apply
 from placecue.scaling import StandardScaling
 from placecue_classifiers.adaboost import AdaBoost
+from placecue_classifiers.boosted_trees import BoostedTrees
 from placecue_classifiers.grid_search import GridSearch
 from placecue_classifiers.nearest_mean import NearestMean
 from placecue_classifiers.scikit_learn import ScikitLearn
@@ -28,6 +29,7 @@ CLASSIFIERS = [
     AdaBoost(rounds=20),
     AdaBoost(rounds=20, output="probability"),
     AdaBoost(rounds=20, criterion="gini"),
+    BoostedTrees(rounds=3, learning_rate=0.5, leaf_samples=1),
     GridSearch(AdaBoost(rounds=10), search={"rounds": [5, 10]}),
     ScikitLearn("sklearn.naive_bayes.GaussianNB"),
     ScikitLearn("sklearn.linear_model.RidgeClassifier"),

@@ -78,10 +78,10 @@ def test_what_there_is_not_is_answered_with_what_there_is(
     [
         (["info"], "info needs log=...; see placecue info --help"),
         (["convert", "source=office"], "convert needs out=...; see placecue convert --help"),
-        (["classify", "log=a.mcap"], "classify needs model=...; see placecue classify --help"),
-        (["label", "log=a.mcap"], "label needs model=...; see placecue label --help"),
         (["train", *LASER], "nothing to read: give log=FILE, log=[FILE,FILE], or source=NAME sou"),
         (["convert", "source=mcap", "out=a.mcap"], "nothing to read: give log=FILE"),
+        (["classify"], "nothing to read: give log=FILE"),
+        (["label"], "nothing to read: give log=FILE"),
     ],
 )
 def test_what_is_missing(words: list[str], said: str, tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_a_parameter_of_a_component_inside(
         (["accumulator.bin_x=0"], "bin_x is 0: give a size above 0"),
         (["accumulator.bin_x=wide"], "bin_x must be a number, got 'wide'"),
         (["accumulator.boundary.open_beams=1.5"], "open_beams must be a whole number, got 1.5"),
-        (["model=null"], "model must be a path, got None: give model=PATH"),
+        (["model="], "model must be a path, got '': give model=PATH"),
     ],
 )
 def test_values_that_cannot_be_in_labelling(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from command_line import placecue
 from placecue.commands.files import DEMONSTRATED
 from placecue.components.manager import load_plugins
@@ -49,3 +51,17 @@ def test_the_demo(tmp_path: Path) -> None:
     for words in advised:
         assert placecue(*words[1:]).status == 0
     assert (out / "by_laser" / "beliefs.csv").is_file()
+
+
+def test_the_demo_without_labels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("placecue.starter.pipeline.find_spec", lambda name: None)  # no deep extra
+    out = tmp_path / "demo"
+    small = [f"source.{word}" for word in SMALL]
+    told = placecue("demo", "starter=true", *small, f"out={out}")
+    assert told.status == 0, told.err
+    assert "the starter tells corridor, doorway, room" in told.err
+    assert not (out / "model").exists()
+    check_metrics(out)
+    table = rows(out / "beliefs.csv")
+    assert {row["truth"] for row in table} == {"corridor", "room"}
+    assert "model=" not in told.out.partition("\ndone in ")[0]

@@ -9,7 +9,7 @@ from placecue import progress
 from placecue.atomic import made, write_json
 from placecue.commands import as_json, files, reporting, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import open_source, set_tolerance
+from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.evaluation.report.labelling import run_page
@@ -19,7 +19,6 @@ from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import AnnotatedLog
 from placecue.storage.belief_table import belief_table
-from placecue.storage.model import load_model
 
 WRITES = files.CLASSIFIED
 
@@ -33,8 +32,7 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         The balanced accuracy, where it is labelled.
     """
     out, plugins = path_of(config, "out"), current_plugins()
-    pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
-    set_tolerance(pipeline, config)
+    pipeline, log = model_and_log(config, plugins, ("pose", "label"))
     table, annotated, metrics = out / files.BELIEFS, out / files.BELIEFS_LOG, out / files.SCORES
     tally, sample = Tally(), MistakeSample()
     as_json.wanted(config)
@@ -42,8 +40,6 @@ def run(config: dict[str, Any]) -> dict[str, float]:
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
-        parts = (*pipeline.requires, "pose", "label")
-        log = open_source(config, plugins, parts=parts)
         made(out)
         listeners: list[Listener] = [
             tally,

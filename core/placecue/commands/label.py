@@ -10,7 +10,7 @@ from placecue import contracts, progress
 from placecue.atomic import made, write_json
 from placecue.commands import as_json, files, reporting, show, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import open_source, set_tolerance
+from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
@@ -25,7 +25,6 @@ from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import LAYOUT, AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
 from placecue.storage.belief_table import belief_table
-from placecue.storage.model import load_model
 
 WRITES = files.LABELLED
 
@@ -63,16 +62,13 @@ def _print(semantic_map: SemanticMap, tally: Tally, files_written: list[tuple[st
 def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     """Run a model over a log and write everything that comes of it into ``out``."""
     plugins = current_plugins()
-    pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
-    set_tolerance(pipeline, config)
+    pipeline, log = model_and_log(config, plugins, ("scan", "pose", "label"))
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     surroundings, sample = Surroundings(), MistakeSample()
     reported = reporting.is_wanted(config)
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
-        parts = (*pipeline.requires, "scan", "pose", "label")
-        log = open_source(config, plugins, parts=parts)
         made(out)
         annotated = stack.enter_context(AnnotatedLog(out / files.ANNOTATED, pipeline.classes))
         listeners: list[Listener] = [

@@ -51,4 +51,11 @@ def placecue_components() -> list[Component]:
             summary="Any classifier, with parameters picked by cross-validation",
             requires=("a classifier",),
         ),
+        Component(
+            kind="classifier",
+            name="boosted_trees",
+            factory="placecue_classifiers.boosted_trees:BoostedTrees",
+            summary="Gradient-boosted decision trees, small and fast",
+            requires=("dense vectors",),
+        ),
     ]

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.checks import check_flag
 from placecue.cue import Augmentation, Cue
 from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.features import FeatureBatch, stack
@@ -65,6 +66,9 @@ class LaserGeometry(Cue):
     scales : sequence of float
         Training also sees every scan with its ranges times each of these, such as 0.8 and 1.25:
         rooms of another building are of other sizes. 1 is always among them.
+    field_of_view : bool
+        Add the angle that the scan covers to the features, so that one model can tell scans of
+        several scanners apart.
 
     References
     ----------
@@ -91,6 +95,7 @@ class LaserGeometry(Cue):
         minima_depth: float = 0.1,
         hu_floor: float = 1e-7,
         scales: Sequence[float] = (1.0,),
+        field_of_view: bool = False,
     ) -> None:
         self.preset = preset
         self.angular_step = angular_step
@@ -104,6 +109,7 @@ class LaserGeometry(Cue):
         self.minima_depth = minima_depth
         self.hu_floor = hu_floor
         self.scales = scales
+        self.field_of_view = field_of_view
 
     @property
     def feature_names(self) -> list[str]:
@@ -142,6 +148,7 @@ class LaserGeometry(Cue):
             self.line_beams,
             self.minima_depth,
             self.hu_floor,
+            self.field_of_view,
         ).families()
 
     def extract(self, observation: Observation) -> NDArray[np.float64]:
@@ -192,6 +199,7 @@ class LaserGeometry(Cue):
         return evaluate(families, resample(ranges, angles, step, grazing))
 
     def _check(self) -> None:
+        check_flag("field_of_view", self.field_of_view)
         positive = ("angular_step", "fourier", "line_tolerance", "line_beams", "hu_floor")
         wrong = [
             f"{name}={getattr(self, name)}" for name in positive if not getattr(self, name) > 0

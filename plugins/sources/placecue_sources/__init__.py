@@ -59,6 +59,12 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="source",
+            name="plans",
+            factory="placecue_sources.plans.source:Plans",
+            summary="Scans ray-cast in offices and homes that a seed draws",
+        ),
+        Component(
+            kind="source",
             name="rgbd",
             factory="placecue_sources.rgbd:RGBD",
             summary="Colour and depth images, with a virtual laser scan cut from the depth",

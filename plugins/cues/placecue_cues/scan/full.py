@@ -26,6 +26,7 @@ class FullFeatures:
     line_beams: int
     minima_depth: float
     hu_floor: float
+    field_of_view: bool = False
 
     def families(self) -> tuple[Family, ...]:
         """Return the features: first of the beams, then of the polygon."""
@@ -36,6 +37,7 @@ class FullFeatures:
             *_size_families(),
             *self._fourier_families(),
             *self._moment_families(),
+            *((_FIELD_OF_VIEW,) if self.field_of_view else ()),
         )
 
     def _range_families(self) -> tuple[Family, ...]:
@@ -222,6 +224,16 @@ def _size_families() -> tuple[Family, ...]:
             _scaled_boundary,
         ),
     )
+
+
+def _covered(beams: Beams) -> Matrix:
+    full = 2 * np.pi if beams.cyclic else beams.angles[-1] - beams.angles[0]
+    return np.full((len(beams.ranges), 1), full)
+
+
+_FIELD_OF_VIEW = Family(
+    "field_of_view", ("field_of_view",), "rad", "angle from the first beam to the last", _covered
+)
 
 
 def _mean_std_names(name: str, clips: Sequence[float]) -> tuple[str, ...]:

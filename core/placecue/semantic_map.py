@@ -10,6 +10,9 @@ from placecue.errors import DataError
 #: The label of a belief that was not sure enough, and of an area that none was sure enough of.
 UNKNOWN = "unknown"
 
+#: Of the format that :meth:`SemanticMap.to_json` gives.
+VERSION = 2
+
 
 @dataclass(frozen=True, slots=True)
 class Node:
@@ -25,6 +28,10 @@ class Node:
         The area that the node belongs to.
     gateway : bool
         Whether the node is a door.
+    heading : float
+        The direction in which the door is passed, rad; 0 for other nodes.
+    probabilities : dict of str to float
+        Of each class by what was seen at the node alone; empty where nothing was.
     """
 
     id: int
@@ -32,6 +39,8 @@ class Node:
     y: float
     area: int
     gateway: bool = False
+    heading: float = 0.0
+    probabilities: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +54,17 @@ class Area:
     label : str
         The class, or ``unknown``.
     confidence : float
-        Confidence of the accumulated belief; 0 where unknown.
+        The probability that the label is right; 0 where unknown.
+    margin : float
+        Confidence of the accumulated belief in the unit of the scores; 0 where unknown.
+    probabilities : dict of str to float
+        Of each class; empty where nothing was seen.
     scores : dict of str to float
         Accumulated score by column of the layout.
     start, end : int
         Stamps of the first and last observation, ns.
+    frame : str
+        The frame that its positions are given in.
     trajectory : tuple of (float, float)
         Positions that the robot passed, m, thinned to one a bin.
     """
@@ -57,9 +72,12 @@ class Area:
     id: int
     label: str
     confidence: float
+    margin: float = 0.0
+    probabilities: dict[str, float] = field(default_factory=dict)
     scores: dict[str, float] = field(default_factory=dict)
     start: int = 0
     end: int = 0
+    frame: str = "odom"
     trajectory: tuple[tuple[float, float], ...] = ()
 
 
@@ -74,7 +92,7 @@ class AreaUpdate:
     label : str
         Its class as of now, or ``unknown``.
     confidence : float
-        Confidence of the accumulated belief.
+        The probability that the label is right; 0 where unknown.
     finished : bool
         Whether the robot has left the area.
     """
@@ -124,7 +142,7 @@ class SemanticMap:
         """Return the map as plain data."""
         return {
             "type": "placecue/semantic_map",
-            "version": 1,
+            "version": VERSION,
             "frame": self.frame,
             "classes": list(self.classes),
             "areas": [asdict(area) for area in self.areas],
@@ -141,10 +159,10 @@ class SemanticMap:
         DataError
             If the data are not a semantic map of a known version, or lack something.
         """
-        if data.get("type") != "placecue/semantic_map" or data.get("version") != 1:
+        if data.get("type") != "placecue/semantic_map" or data.get("version") != VERSION:
             raise DataError(
-                "not a semantic map: expected type 'placecue/semantic_map' of version 1, got "
-                f"{data.get('type')!r} of version {data.get('version')!r}"
+                f"not a semantic map: expected type 'placecue/semantic_map' of version {VERSION}, "
+                f"got {data.get('type')!r} of version {data.get('version')!r}"
             )
         try:
             return cls(

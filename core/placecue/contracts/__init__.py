@@ -20,13 +20,14 @@ from placecue.contracts.observations import (
     stamp,
     text,
 )
-from placecue.contracts.space import area_update, crossing, pose, semantic_map
+from placecue.contracts.space import area_update, behind, crossing, pose, semantic_map
 from placecue.folds import promised as folds
 
 __all__ = [
     "area_update",
     "augmentations",
     "batch",
+    "behind",
     "camera",
     "count",
     "crossing",

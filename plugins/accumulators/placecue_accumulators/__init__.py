@@ -25,6 +25,19 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="boundary",
+            name="evidence",
+            factory="placecue_accumulators.evidence:ChangedEvidence",
+            summary="A change in the stream of beliefs: two places, not one",
+            requires=("pose",),
+        ),
+        Component(
+            kind="boundary",
+            name="never",
+            factory="placecue_accumulators.never:Never",
+            summary="None: no area ever ends",
+        ),
+        Component(
+            kind="boundary",
             name="node",
             factory="placecue_accumulators.node:NodeLeft",
             summary="The node of the navigation graph that was left",

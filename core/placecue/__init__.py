@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from placecue.cue import Augmentation, Cue
     from placecue.cue_model import CueModel
     from placecue.depth import Intrinsics, virtual_scan
+    from placecue.distribution import doubted, log_odds, softmax
     from placecue.errors import (
         DataError,
         PlacecueError,
@@ -191,16 +192,19 @@ __all__ = [
     "contracts",
     "current",
     "described",
+    "doubted",
     "estimators",
     "fit_kernel",
     "hookimpl",
     "interruptible",
     "keeping",
     "kind_of",
+    "log_odds",
     "n_samples",
     "provenance",
     "read_geojson",
     "sets_of",
+    "softmax",
     "stack",
     "step",
     "take",
@@ -229,6 +233,7 @@ _MODULES = {
         "choices",
         "described",
     ),
+    "distribution": ("doubted", "log_odds", "softmax"),
     "estimator": ("Estimator", "clone"),
     "estimators": ("allow_estimators",),
     "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence", "concatenate"),

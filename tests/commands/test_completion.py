@@ -50,7 +50,7 @@ def test_what_is_offered(line: str, offered: str, monkeypatch: pytest.MonkeyPatc
     [
         (["placecue", "cla"], "classify"),
         (["placecue", "train", "cue=la"], "cue=laser"),
-        (["placecue", "label", "boundary@accumulator.boundary=no"], ""),
+        (["placecue", "label", "boundaries@accumulator.boundary=no"], ""),
     ],
 )
 def test_in_bash(typed: list[str], offered: str) -> None:

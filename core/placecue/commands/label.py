@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ from placecue.storage.belief_table import belief_table
 from placecue.storage.model import load_model
 
 WRITES = files.LABELLED
+log_of_label = logging.getLogger(__name__)
 
 
 def run(config: dict[str, Any]) -> None:
@@ -68,6 +70,8 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
         annotated.close_with(semantic_map)
+        for doubt in call(accumulator, "warnings", check=contracts.texts):
+            log_of_label.warning(doubt)
     write_layout(out)
     write_json(out / files.GEOJSON, semantic_map.to_geojson())
     draw_semantic_map(

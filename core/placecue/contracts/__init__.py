@@ -19,6 +19,7 @@ from placecue.contracts.observations import (
     scan,
     stamp,
     text,
+    texts,
 )
 from placecue.contracts.space import area_update, behind, crossing, pose, semantic_map
 from placecue.folds import promised as folds
@@ -47,5 +48,6 @@ __all__ = [
     "semantic_map",
     "stamp",
     "text",
+    "texts",
     "trained",
 ]

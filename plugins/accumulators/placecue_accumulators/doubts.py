@@ -61,5 +61,5 @@ class Doubts:
         return [
             f"area {largest.id} ({largest.label}) covers {100 * share:.0f} % of the way, and only "
             f"{100 * agree:.0f} % of the single beliefs say {largest.label}: places may be missing "
-            "from the map; try accumulator.boundary=[door,evidence]"
+            "from the map; try boundaries@accumulator.boundary=[door,evidence]"
         ]

@@ -16,6 +16,9 @@ from placecue.observation import Observation, Pose2D
 
 Values = NDArray[np.float64]
 
+#: Two sums of the same steps differ by less, m.
+ROUNDING = 1e-6
+
 
 @dataclass(slots=True)
 class Stretch:
@@ -99,7 +102,7 @@ class ChangedEvidence(Boundary):
         shortest: float = 0.8,
         step: float = 0.2,
         threshold: float = 3.0,
-        independent: float = 0.3,
+        independent: float = 0.4,
         doubt: float = 0.1,
     ) -> None:
         self.window = window
@@ -146,7 +149,7 @@ class ChangedEvidence(Boundary):
         if not hasattr(self, "stretches_"):
             self.update(observation)
         likelihood = np.log(doubted(probabilities, self.doubt))
-        if self.stretches_ and self.way_ - self.stretches_[-1].begin < self.step:
+        if self.stretches_ and self.way_ - self.stretches_[-1].begin < self.step - ROUNDING:
             self.stretches_[-1].total += likelihood
             self.stretches_[-1].count += 1
             return None

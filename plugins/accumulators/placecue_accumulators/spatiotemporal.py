@@ -98,7 +98,7 @@ class SpatioTemporal(Accumulator):
         label_confidence: float = 0.1,
         label_probability: float = 0.5,
         sharpness: float | None = None,
-        independent: float = 0.3,
+        independent: float = 0.1,
         doubt: float = 0.02,
         forget_after: int | None = 30,
         node_spacing: float = 1.0,

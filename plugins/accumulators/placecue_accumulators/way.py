@@ -8,14 +8,11 @@ from math import hypot, isfinite, pi
 from typing import Literal
 
 from placecue.observation import Pose2D
+from placecue_accumulators.evidence import ROUNDING
 from placecue_accumulators.histogram import Key
 
 #: What became of the way: it goes on, is in another frame, or goes on somewhere else.
 Turn = Literal["on", "frame", "jump"]
-
-
-#: Two sums of the same steps differ by less, m.
-ROUNDING = 1e-6
 
 
 def is_pose(pose: Pose2D | None) -> bool:

@@ -17,6 +17,27 @@ def placecue_components() -> list[Component]:
             requires=("pose",),
         ),
         Component(
+            kind="accumulator",
+            name="hmm",
+            factory="placecue_accumulators.hmm:HiddenMarkov",
+            summary="A hidden Markov model over the places along the drive",
+            requires=("pose",),
+        ),
+        Component(
+            kind="accumulator",
+            name="crf",
+            factory="placecue_accumulators.crf:RandomField",
+            summary="A conditional random field over the navigation graph",
+            requires=("pose",),
+        ),
+        Component(
+            kind="accumulator",
+            name="relaxation",
+            factory="placecue_accumulators.relaxation:Relaxation",
+            summary="Probabilistic relaxation over the navigation graph",
+            requires=("pose",),
+        ),
+        Component(
             kind="boundary",
             name="door",
             factory="placecue_accumulators.door:Door",

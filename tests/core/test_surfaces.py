@@ -43,7 +43,8 @@ def test_a_room_is_free_inside_occupied_at_its_walls_and_unseen_beyond():
         assert state(grid, x, y) == FREE
     assert state(grid, 6.05, 2.0) == OCCUPIED
     assert state(grid, 6.3, 2.0) == UNSEEN
-    assert (grid.states == FREE).sum() * grid.cell**2 == pytest.approx(24, rel=0.05)
+    # Beams are followed to a cell before their end: of 20 m of wall 0.1 m may be missing.
+    assert 24 - 2 <= (grid.states == FREE).sum() * grid.cell**2 <= 24
     assert grid.frame == "odom"
 
 

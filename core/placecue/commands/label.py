@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -33,7 +32,6 @@ from placecue.storage.model import load_model
 from placecue.surfaces import with_surfaces
 
 WRITES = files.LABELLED
-log_of_label = logging.getLogger(__name__)
 
 
 def run(config: dict[str, Any]) -> None:
@@ -77,8 +75,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         grid = space.grid()
         semantic_map = with_surfaces(semantic_map, grid)
         annotated.close_with(semantic_map)
-        for doubt in call(accumulator, "warnings", check=contracts.texts):
-            log_of_label.warning(doubt)
+        doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out)
     write_json(out / files.GEOJSON, semantic_map.to_geojson())
     write_map_files(semantic_map, grid, out)
@@ -97,6 +94,8 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     reporting.write(config, out, lambda: run_page(
         f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE
     ))  # fmt: skip
+    for doubt in doubts:
+        print(f"note: {doubt}")
     return semantic_map
 
 

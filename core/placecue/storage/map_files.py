@@ -118,6 +118,6 @@ def _write_grid(grid: Grid, folder: Path) -> list[Path]:
     about = (
         f"image: {PICTURE}\nmode: trinary\nresolution: {grid.cell:g}\n"
         f"origin: [{grid.x:.6f}, {grid.y:.6f}, 0.0]\nnegate: 0\n"
-        "occupied_thresh: 0.65\nfree_thresh: 0.25\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\n"  # just below the grey of what is unseen
     )
     return [folder / PICTURE, write_text(folder / ABOUT, about)]

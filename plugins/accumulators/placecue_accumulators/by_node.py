@@ -19,6 +19,7 @@ from placecue_accumulators.doubts import Doubts
 from placecue_accumulators.graph import NavigationGraph, Step
 from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
 from placecue_accumulators.judging import Judge, check_same_layout, usual_sharpness
+from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Odometer, is_pose
 
 Values = NDArray[np.float64]
@@ -71,6 +72,7 @@ class NodeAccumulator(Accumulator):
         self.odometer_ = Odometer()
         self.judge_: Judge | None = None
         self.doubts_ = Doubts()
+        self.windows_ = TimeWindows()
         self.said_: tuple[int, str] | None = None
 
     def update(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
@@ -79,11 +81,11 @@ class NodeAccumulator(Accumulator):
         The update names the node that the robot is at, and what was seen there alone: areas are
         found when the map is asked for.
         """
-        pose = observation.pose
-        if pose is None or not is_pose(pose):
-            return None
         if not hasattr(self, "graph_"):
             self.reset()
+        pose = observation.pose
+        if pose is None or not is_pose(pose):
+            return self._unplaced(observation, belief)
         self._move(pose, observation.stamp)
         self._walk(pose, observation.stamp)
         if belief is None or not self._accepts(belief):
@@ -100,6 +102,8 @@ class NodeAccumulator(Accumulator):
         if not hasattr(self, "graph_"):
             self.reset()
         n = len(self.graph_.places)
+        if self.judge_ is not None and self.windows_ and not n:
+            return self.windows_.semantic_map(self.judge_)
         edges = sorted(self.graph_.edges)
         classes = self.judge_.layout.classes if self.judge_ else ()
         found = self._probabilities(self._likelihoods(), edges) if classes else np.zeros((n, 0))
@@ -129,6 +133,14 @@ class NodeAccumulator(Accumulator):
     def warnings(self) -> list[str]:
         """Return what a person should know of the map, a line each."""
         return self.doubts_.lines(self.semantic_map()) if hasattr(self, "graph_") else []
+
+    def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
+        """Take in a moment without a pose: of a log without any, areas are windows of time."""
+        self.doubts_.unplaced += 1
+        if self.graph_.places or belief is None or not self._accepts(belief):
+            return None
+        judge = self._judge_of(belief)
+        return self.windows_.add(observation.stamp, belief.scores.values[0], judge)
 
     # ------------------------------------------------------------------ space
 

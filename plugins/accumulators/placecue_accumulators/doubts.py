@@ -36,6 +36,12 @@ class Doubts:
     def lines(self, semantic_map: SemanticMap) -> list[str]:
         """Return the doubts about a map, a line each."""
         told = [*self._swallowed(semantic_map)]
+        if self.unplaced and semantic_map.areas and not semantic_map.nodes:
+            told.append(
+                "the log has no poses: areas are windows of 10 s, with a time and without a place"
+            )
+        elif self.unplaced:
+            told.append(f"{self.unplaced} observations had no pose and are on no map")
         if self.jumps:
             told.append(
                 f"the pose jumped {self.jumps} times: the map is broken off there, and smeared if "

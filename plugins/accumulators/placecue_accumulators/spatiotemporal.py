@@ -18,6 +18,7 @@ from placecue_accumulators.graph import NavigationGraph, Step
 from placecue_accumulators.histogram import BinSums, Key, ViewpointHistogram, bin_of
 from placecue_accumulators.judging import Judge, Judgement, check_same_layout, usual_sharpness
 from placecue_accumulators.same_label import MERGES, Merge, merge_same_label
+from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Moment, Odometer, Recent, is_pose
 
 Values = NDArray[np.float64]
@@ -72,7 +73,8 @@ class SpatioTemporal(Accumulator):
 
     Notes
     -----
-    An observation without a pose is passed over. A door makes a gateway node; the robot is in no
+    An observation without a pose is passed over; of a log without any pose, areas are windows of
+    10 s. A door makes a gateway node; the robot is in no
     area until it is nearer to another node. That node's area is entered, or a new area begins if
     the node is new; what was seen since the door belongs to it. Where the door stands across a way
     that the robot went before without seeing it, the area is parted there. Areas are merged when
@@ -148,6 +150,7 @@ class SpatioTemporal(Accumulator):
         self.judge_: Judge | None = None
         self.frame_: str | None = None  # the first
         self.doubts_ = Doubts()
+        self.windows_ = TimeWindows()
         self.updates_: dict[int, AreaUpdate] = {}  # not yet given out, the latest of each area
 
     # ------------------------------------------------------------------ one observation
@@ -163,11 +166,11 @@ class SpatioTemporal(Accumulator):
         UsageError
             If the belief's scores have another layout than those before.
         """
-        pose = observation.pose
-        if pose is None or not is_pose(pose):
-            return None
         if not hasattr(self, "graph_"):
             self.reset()
+        pose = observation.pose
+        if pose is None or not is_pose(pose):
+            return self._unplaced(observation, belief)
         self._move(pose, observation.stamp)
         self._follow(observation, pose)
         self._walk(pose, observation.stamp)
@@ -182,6 +185,8 @@ class SpatioTemporal(Accumulator):
         """Return the map as it stands after the observations so far."""
         if not hasattr(self, "graph_"):
             self.reset()
+        if self.judge_ is not None and self.windows_ and not self.graph_.places:
+            return self.windows_.semantic_map(self.judge_)
         made = SemanticMap(
             areas=self.areas_.to_areas(),
             nodes=tuple(
@@ -207,6 +212,15 @@ class SpatioTemporal(Accumulator):
         if not hasattr(self, "graph_"):
             return []
         return self.doubts_.lines(self.semantic_map())
+
+    def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
+        """Take in a moment without a pose: of a log without any, areas are windows of time."""
+        self.doubts_.unplaced += 1
+        if self.graph_.places or belief is None or not self._accepts(belief):
+            return None
+        self.doubts_.count(belief.label)
+        judge = self._judge_of(belief)
+        return self.windows_.add(observation.stamp, belief.scores.values[0], judge)
 
     def _probabilities(self, node: int) -> dict[str, float]:
         prior = self.areas_.priors.get(node, BinSums())

@@ -94,6 +94,22 @@ def test_of_a_wider_scan_the_front_counts_however_it_is_mounted():
     assert (middle.x, middle.y) == pytest.approx((0.2, 0), abs=1e-6)
 
 
+def test_a_scanner_that_sees_behind_finds_a_jamb_just_passed():
+    passed = Pose2D(0.23, 0, 0)  # the jamb's end lies 18 degrees behind straight left and right
+    assert Door().find(scan_at(doorway(), passed)) is None
+    middle = Door().find(scan_at(doorway(), passed, beams=721, field=360))
+    assert (middle.x, middle.y) == pytest.approx((-0.13, 0), abs=0.01)
+    assert Door().find(scan_at(doorway(), Pose2D(0.35, 0, 0), beams=721, field=360)) is None
+
+
+def test_people_and_clutter_ahead_do_not_hide_a_door():
+    scan = scan_at(doorway(), HERE)
+    ahead = np.abs(np.degrees(scan.angles)) < 40  # somebody 0.8 m ahead, across 80 degrees
+    assert Door().find(measured(scan, ahead, 0.8)) is not None
+    across = np.abs(np.degrees(scan.angles)) < 70
+    assert Door().find(measured(scan, across, 0.8)) is None  # the way is barred
+
+
 def test_a_narrow_scanner_finds_none():
     assert Door().find(scan_at(doorway(), HERE, beams=241, field=120)) is None
 

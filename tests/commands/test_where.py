@@ -18,9 +18,7 @@ MAP = SemanticMap(
         Area(
             0, "office", 0.875, 1.0, SURE, frame="map", trajectory=((1.0, 1.0),), surface=(SQUARE,)
         ),
-        Area(
-            7, "unknown", 0.0, probabilities={"kitchen": 0.5, "office": 0.5}, trajectory=((9, 9),)
-        ),
+        Area(7, "unknown", 0.0, 0.0, TIE, frame="map", trajectory=((9.0, 9.0),)),
     ),
     (),
     (),

@@ -58,18 +58,18 @@ class Area:
         The class, or ``unknown``.
     confidence : float
         The probability that the label is right; 0 where unknown.
-    margin : float
-        Confidence of the accumulated belief in the unit of the scores; 0 where unknown.
-    probabilities : dict of str to float
-        Of each class; empty where nothing was seen.
     scores : dict of str to float
         Accumulated score by column of the layout.
     start, end : int
         Stamps of the first and last observation, ns.
-    frame : str
-        The frame that its positions are given in.
     trajectory : tuple of (float, float)
         Positions that the robot passed, m, thinned to one a bin.
+    margin : float
+        Confidence of the accumulated belief in the unit of the scores; 0 where unknown.
+    probabilities : dict of str to float
+        Of each class; empty where nothing was seen.
+    frame : str
+        The frame that its positions are given in.
     surface : tuple of polygons
         The free space that belongs to it, m: each polygon an outline and holes in it. Empty where
         none was shared out.
@@ -78,13 +78,13 @@ class Area:
     id: int
     label: str
     confidence: float
-    margin: float = 0.0
-    probabilities: dict[str, float] = field(default_factory=dict)
     scores: dict[str, float] = field(default_factory=dict)
     start: int = 0
     end: int = 0
-    frame: str = "odom"
     trajectory: tuple[tuple[float, float], ...] = ()
+    margin: float = 0.0
+    probabilities: dict[str, float] = field(default_factory=dict)
+    frame: str = "odom"
     surface: tuple[Polygon, ...] = ()
 
     @property

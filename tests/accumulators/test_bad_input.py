@@ -134,3 +134,21 @@ def test_an_area_that_swallows_the_drive_is_told():
     alike = SpatioTemporal(Door())
     through(alike, np.arange(-8, 4, 0.1), lambda x: says("office"), scans=lambda x: False)
     assert alike.warnings() == []
+
+
+def test_an_hour_of_standing_and_rounds_over_known_ground_hold_nothing_more():
+    accumulator, held = joined(), []
+    for turn in range(5):
+        way = np.arange(-4, 4, 0.1)
+        through(accumulator, way if turn % 2 == 0 else way[::-1], rooms, start=turn * 1000)
+        belief = rooms(4.0 if turn % 2 == 0 else -4.0)
+        for i in range(500):
+            pose = Pose2D(4.0 if turn % 2 == 0 else -4.0, 0.0, 0.0)
+            accumulator.update(Observation((turn * 1000 + 100 + i) * SECOND, pose=pose), belief)
+        made = accumulator.semantic_map()
+        evidence = accumulator.boundaries_.each[1]
+        assert len(evidence.stretches_) <= 6 / 0.2 + 2
+        assert len(accumulator.recent_.since(0)) <= 6 / 0.1 + 3
+        held.append((len(made.nodes), len(made.edges), sum(len(a.trajectory) for a in made.areas)))
+    assert held[-1] == held[2]
+    assert len(made.areas) <= 3

@@ -9,8 +9,8 @@ CLASSES = ("corridor", "kitchen", "office", "printer")
 def area(number, label, confidence=1.0, points=1, **scores):
     trajectory = tuple((float(number), float(i)) for i in range(points))
     sure = {"office": confidence, "kitchen": 1 - confidence}
-    times = number * 10, number * 10 + 5
-    return Area(number, label, confidence, 2 * confidence, sure, scores, *times, "odom", trajectory)
+    told = {"margin": 2 * confidence, "probabilities": sure}
+    return Area(number, label, confidence, scores, number * 10, number * 10 + 5, trajectory, **told)
 
 
 def chain(*areas):

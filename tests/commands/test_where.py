@@ -16,9 +16,15 @@ SQUARE = (((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)),)
 MAP = SemanticMap(
     (
         Area(
-            0, "office", 0.875, 1.0, SURE, frame="map", trajectory=((1.0, 1.0),), surface=(SQUARE,)
+            0,
+            "office",
+            0.875,
+            probabilities=SURE,
+            frame="map",
+            trajectory=((1.0, 1.0),),
+            surface=(SQUARE,),
         ),
-        Area(7, "unknown", 0.0, 0.0, TIE, frame="map", trajectory=((9.0, 9.0),)),
+        Area(7, "unknown", 0.0, probabilities=TIE, frame="map", trajectory=((9.0, 9.0),)),
     ),
     (),
     (),

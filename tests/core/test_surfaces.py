@@ -88,8 +88,20 @@ def two_rooms(door=True):
     states = np.full((24, 64), UNSEEN)
     states[2:22, 2:32], states[2:22, 33:63], states[7:17, 32] = FREE, FREE, FREE
     areas = (
-        Area(0, "office", 0.9, 1.0, {"office": 0.9, "kitchen": 0.1}, trajectory=((1.0, 1.2),)),
-        Area(1, "kitchen", 0.8, 1.0, {"office": 0.2, "kitchen": 0.8}, trajectory=((3.4, 1.2),)),
+        Area(
+            0,
+            "office",
+            0.9,
+            probabilities={"office": 0.9, "kitchen": 0.1},
+            trajectory=((1.0, 1.2),),
+        ),
+        Area(
+            1,
+            "kitchen",
+            0.8,
+            probabilities={"office": 0.2, "kitchen": 0.8},
+            trajectory=((3.4, 1.2),),
+        ),
     )
     nodes = (Node(0, 1.0, 1.2, 0), Node(1, 3.25, 1.2, 0, True), Node(2, 3.4, 1.2, 1))
     made = SemanticMap(areas, nodes if door else (nodes[0], nodes[2]), ((0, 2),), CLASSES)

@@ -23,7 +23,17 @@ SQUARE = (((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),)
 SURE = {"kitchen": 0.1, "office": 0.9}
 MAP = SemanticMap(
     areas=(
-        Area(0, "office", 0.9, 1.2, SURE, {"kitchen|office": -1.2}, 5, 9, surface=(SQUARE,)),
+        Area(
+            0,
+            "office",
+            0.9,
+            {"kitchen|office": -1.2},
+            5,
+            9,
+            margin=1.2,
+            probabilities=SURE,
+            surface=(SQUARE,),
+        ),
         Area(3, "unknown", 0.0, trajectory=((3.0, 4.0),)),
         Area(4, "kitchen", 0.7, frame="map"),
     ),

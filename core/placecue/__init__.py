@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from placecue.cue_model import CueModel
     from placecue.decoding import decoded
     from placecue.depth import Intrinsics, virtual_scan
+    from placecue.distribution import doubted, log_odds, softmax
     from placecue.errors import (
         DataError,
         PlacecueError,
@@ -203,16 +204,19 @@ __all__ = [
     "current_limits",
     "decoded",
     "described",
+    "doubted",
     "estimators",
     "fit_kernel",
     "hookimpl",
     "interruptible",
     "keeping",
     "kind_of",
+    "log_odds",
     "n_samples",
     "provenance",
     "read_geojson",
     "sets_of",
+    "softmax",
     "stack",
     "step",
     "take",
@@ -243,6 +247,7 @@ _MODULES = {
         "choices",
         "described",
     ),
+    "distribution": ("doubted", "log_odds", "softmax"),
     "estimator": ("Estimator", "clone"),
     "estimators": ("allow_estimators",),
     "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence", "concatenate"),

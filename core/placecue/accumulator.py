@@ -5,11 +5,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from placecue.belief import Belief
 from placecue.estimator import Estimator
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import AreaUpdate as AreaUpdate
 from placecue.semantic_map import SemanticMap
+
+Values = NDArray[np.float64]
 
 
 class Boundary(Estimator, ABC):
@@ -22,6 +27,11 @@ class Boundary(Estimator, ABC):
     """
 
     gateway: ClassVar[bool] = True
+
+    @property
+    def delay(self) -> float:
+        """The largest distance between a change and the place where it is noticed, m of way."""
+        return 0.0
 
     @abstractmethod
     def update(self, observation: Observation) -> Pose2D | None:
@@ -36,6 +46,39 @@ class Boundary(Estimator, ABC):
     @abstractmethod
     def reset(self) -> None:
         """Forget everything, as before the first observation."""
+
+    def believe(self, observation: Observation, probabilities: Values) -> float | None:
+        """Return how far behind an area has ended, by what is believed, m of way, or None.
+
+        Asked after :meth:`update` where there is a belief that counts; the default is never
+        convinced.
+
+        Parameters
+        ----------
+        observation : Observation
+            The moment, with its pose.
+        probabilities : ndarray of float64, shape (M,)
+            Of each class, by this belief alone.
+        """
+        return None
+
+    def enter(self) -> None:
+        """Take note that the robot is in another area now, whoever noticed."""
+
+    def joins(self, one: Values, other: Values) -> bool:
+        """Tell whether two areas are one, as the robot went from one straight into the other.
+
+        Parameters
+        ----------
+        one, other : ndarray of float64, shape (M,)
+            Log-likelihoods of each class by what was seen in each area.
+
+        Returns
+        -------
+        bool
+            By default so if what separates areas is a place of its own, which was not passed.
+        """
+        return self.gateway
 
 
 class Accumulator(Estimator, ABC):
@@ -69,3 +112,7 @@ class Accumulator(Estimator, ABC):
     @abstractmethod
     def reset(self) -> None:
         """Forget everything, as before the first observation."""
+
+    def warnings(self) -> list[str]:
+        """Return what a person should know of the map before trusting it, a line each."""
+        return []

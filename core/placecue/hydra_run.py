@@ -337,7 +337,7 @@ def _missing(command: str, error: Exception) -> str:
 
 def _unknown_option(command: str, error: MissingConfigException) -> str:
     group, _, name = str(error.missing_cfg_file).rpartition("/")
-    kind = "cue" if group in ("part", "parts") else group  # parts are cues
+    kind = {"part": "cue", "parts": "cue", "boundaries": "boundary"}.get(group, group)
     options = error.options or current_plugins().registry.names(cast(Kind, kind))
     if not group:
         return f"{command}: {_one_line(error)}"

@@ -344,16 +344,24 @@ class Scores:
         if layout.classes != self.layout.classes:
             return None
         there = np.flatnonzero(self.available())
-        decision = self[there].decide()
-        if type(self.layout).confidence is Layout.confidence:
-            preference = self.layout.preference(self.values[there])
-        else:  # ranks without a unit: each class a step of the confidence behind the one before
-            step = np.maximum(decision.confidence, SMALLEST_STEP)
-            preference = np.empty(decision.ranking.shape)
-            places = -np.arange(decision.ranking.shape[1])[None, :] * step[:, None]
-            np.put_along_axis(preference, decision.ranking, places, axis=1)
+        preference = self[there].preferences()
         values = layout.of_preference(preference)
         return None if values is None else Scores(values, layout).spread(there, len(self))
+
+    def preferences(self) -> Values:
+        """Return how much each class is preferred, in the unit of the confidence, shape (n, M).
+
+        A layout that only ranks has no unit: there each class stands a step of the confidence
+        behind the one before. The most preferred class is the one that the rule picks.
+        """
+        if type(self.layout).confidence is Layout.confidence:
+            return self.layout.preference(self.values)
+        decision = self.decide()
+        step = np.maximum(decision.confidence, SMALLEST_STEP)
+        preference = np.empty(decision.ranking.shape)
+        places = -np.arange(decision.ranking.shape[1])[None, :] * step[:, None]
+        np.put_along_axis(preference, decision.ranking, places, axis=1)
+        return preference
 
     def available(self) -> NDArray[np.bool_]:
         """Return which samples have scores, shape (n,); a missing one is a row of NaN."""

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from math import hypot
 from typing import Any
 
 from placecue.errors import DataError
+from placecue.map_geojson import geojson_of
+from placecue.polygons import Polygon, area_of, holds
 
 #: The label of a belief that was not sure enough, and of an area that none was sure enough of.
 UNKNOWN = "unknown"
+
+#: Of the format that :meth:`SemanticMap.to_json` gives.
+VERSION = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +31,10 @@ class Node:
         The area that the node belongs to.
     gateway : bool
         Whether the node is a door.
+    heading : float
+        The direction in which the door is passed, rad; 0 for other nodes.
+    probabilities : dict of str to float
+        Of each class by what was seen at the node alone; empty where nothing was.
     """
 
     id: int
@@ -32,6 +42,8 @@ class Node:
     y: float
     area: int
     gateway: bool = False
+    heading: float = 0.0
+    probabilities: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +57,22 @@ class Area:
     label : str
         The class, or ``unknown``.
     confidence : float
-        Confidence of the accumulated belief; 0 where unknown.
+        The probability that the label is right; 0 where unknown.
     scores : dict of str to float
         Accumulated score by column of the layout.
     start, end : int
         Stamps of the first and last observation, ns.
     trajectory : tuple of (float, float)
         Positions that the robot passed, m, thinned to one a bin.
+    margin : float
+        Confidence of the accumulated belief in the unit of the scores; 0 where unknown.
+    probabilities : dict of str to float
+        Of each class; empty where nothing was seen.
+    frame : str
+        The frame that its positions are given in.
+    surface : tuple of polygons
+        The free space that belongs to it, m: each polygon an outline and holes in it. Empty where
+        none was shared out.
     """
 
     id: int
@@ -61,6 +82,15 @@ class Area:
     start: int = 0
     end: int = 0
     trajectory: tuple[tuple[float, float], ...] = ()
+    margin: float = 0.0
+    probabilities: dict[str, float] = field(default_factory=dict)
+    frame: str = "odom"
+    surface: tuple[Polygon, ...] = ()
+
+    @property
+    def size(self) -> float:
+        """The area of its surface, m²."""
+        return sum(area_of(ring) for polygon in self.surface for ring in polygon)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +104,7 @@ class AreaUpdate:
     label : str
         Its class as of now, or ``unknown``.
     confidence : float
-        Confidence of the accumulated belief.
+        The probability that the label is right; 0 where unknown.
     finished : bool
         Whether the robot has left the area.
     """
@@ -120,11 +150,38 @@ class SemanticMap:
                 return area
         raise DataError(f"the map has no area {number}; it has {len(self.areas)} areas")
 
+    def at(self, x: float, y: float, within: float = 1.0) -> Area | None:
+        """Return the area that a position lies in, in the map's frame.
+
+        Parameters
+        ----------
+        x, y : float
+            Position, m.
+        within : float
+            Where it lies on no surface, the area whose way passes nearest counts, up to so far, m.
+
+        Returns
+        -------
+        Area or None
+            Its ``confidence`` is the probability of its label, ``probabilities`` those of all
+            classes; None where the map does not reach.
+        """
+        here = [area for area in self.areas if area.frame == self.frame]
+        for area in here:
+            if holds(area.surface, x, y):
+                return area
+        nearest, best = None, within
+        for area in here:
+            for px, py in area.trajectory:
+                if (distance := hypot(px - x, py - y)) <= best:
+                    nearest, best = area, distance
+        return nearest
+
     def to_json(self) -> dict[str, Any]:
         """Return the map as plain data."""
         return {
             "type": "placecue/semantic_map",
-            "version": 1,
+            "version": VERSION,
             "frame": self.frame,
             "classes": list(self.classes),
             "areas": [asdict(area) for area in self.areas],
@@ -141,10 +198,10 @@ class SemanticMap:
         DataError
             If the data are not a semantic map of a known version, or lack something.
         """
-        if data.get("type") != "placecue/semantic_map" or data.get("version") != 1:
+        if data.get("type") != "placecue/semantic_map" or data.get("version") != VERSION:
             raise DataError(
-                "not a semantic map: expected type 'placecue/semantic_map' of version 1, got "
-                f"{data.get('type')!r} of version {data.get('version')!r}"
+                f"not a semantic map: expected type 'placecue/semantic_map' of version {VERSION}, "
+                f"got {data.get('type')!r} of version {data.get('version')!r}"
             )
         try:
             return cls(
@@ -161,45 +218,13 @@ class SemanticMap:
             ) from error
 
     def to_geojson(self) -> dict[str, Any]:
-        """Return areas as line strings, nodes as points, edges as lines, metres as coordinates."""
-        at = {node.id: (node.x, node.y) for node in self.nodes}
-        label_of = {area.id: area.label for area in self.areas}
-        features = [
-            _feature(
-                "MultiPoint" if len(area.trajectory) < 2 else "LineString",
-                [list(point) for point in area.trajectory],
-                {"kind": "area", "id": area.id, "label": area.label, "confidence": area.confidence},
-            )
-            for area in self.areas
-        ]
-        features += [
-            _feature(
-                "Point",
-                [node.x, node.y],
-                {
-                    "kind": "node",
-                    "id": node.id,
-                    "area": node.area,
-                    "gateway": node.gateway,
-                    "label": label_of[node.area],
-                },
-            )
-            for node in self.nodes
-        ]
-        features += [
-            _feature("LineString", [list(at[a]), list(at[b])], {"kind": "edge", "nodes": [a, b]})
-            for a, b in self.edges
-        ]
-        return {"type": "FeatureCollection", "features": features}
+        """Return areas, nodes and edges as GeoJSON; see :func:`placecue.map_geojson.geojson_of`."""
+        return geojson_of(self)
 
 
 def _area(data: dict[str, Any]) -> Area:
-    return Area(**{**data, "trajectory": tuple((x, y) for x, y in data["trajectory"])})
-
-
-def _feature(geometry: str, coordinates: Any, properties: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "type": "Feature",
-        "geometry": {"type": geometry, "coordinates": coordinates},
-        "properties": properties,
-    }
+    surface = tuple(
+        tuple(tuple((x, y) for x, y in ring) for ring in polygon) for polygon in data["surface"]
+    )
+    trajectory = tuple((x, y) for x, y in data["trajectory"])
+    return Area(**{**data, "trajectory": trajectory, "surface": surface})

@@ -4,37 +4,9 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
+from doorways import doorway, scan_at
 from placecue import LaserScan, Observation, Pose2D
 from placecue_accumulators.door import Door
-
-
-def doorway(width=0.8, depth=(-0.1, 0.1), far=4.0):
-    """Return segments (x1, y1, x2, y2): a wall along y with a doorway at the origin, two rooms."""
-    near, behind, half = depth[0], depth[1], width / 2
-    walls = [(-far, -5, -far, 5), (far, -5, far, 5), (-far, 5, far, 5), (-far, -5, far, -5)]
-    for side in (-1, 1):
-        walls.append((near, side * half, behind, side * half))
-        walls += [(x, side * half, x, side * 5) for x in depth]
-    return np.array(walls, dtype=float)
-
-
-def ranges_of(walls, pose, bearings):
-    """Cast rays against segments: the textbook solution of o + t d = a + s (b - a)."""
-    d = np.stack([np.cos(bearings + pose.theta), np.sin(bearings + pose.theta)], axis=1)
-    a, e = walls[:, :2], walls[:, 2:] - walls[:, :2]
-    ao = a - np.array([pose.x, pose.y])
-    cross = d[:, None, 0] * e[None, :, 1] - d[:, None, 1] * e[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (ao[:, 0] * e[:, 1] - ao[:, 1] * e[:, 0])[None] / cross
-        s = (ao[None, :, 0] * d[:, None, 1] - ao[None, :, 1] * d[:, None, 0]) / cross
-    hit = (t > 0) & (s >= -1e-9) & (s <= 1 + 1e-9) & (np.abs(cross) > 1e-12)
-    return np.where(hit, t, np.inf).min(axis=1)
-
-
-def scan_at(walls, pose, beams=361, field=180.0, mount=None):
-    mount = mount or Pose2D(0, 0, 0, "base_link")
-    angles = np.radians(np.linspace(-field / 2, field / 2, beams))
-    return LaserScan(angles, ranges_of(walls, pose.compose(mount), angles), 0.01, 30.0, mount)
 
 
 def measured(scan, beams, ranges):
@@ -120,6 +92,22 @@ def test_of_a_wider_scan_the_front_counts_however_it_is_mounted():
     ahead = scan_at(doorway(), Pose2D(-0.2, 0, 0), mount=Pose2D(0.2, 0, 0))
     middle = Door().find(ahead)
     assert (middle.x, middle.y) == pytest.approx((0.2, 0), abs=1e-6)
+
+
+def test_a_scanner_that_sees_behind_finds_a_jamb_just_passed():
+    passed = Pose2D(0.23, 0, 0)  # the jamb's end lies 18 degrees behind straight left and right
+    assert Door().find(scan_at(doorway(), passed)) is None
+    middle = Door().find(scan_at(doorway(), passed, beams=721, field=360))
+    assert (middle.x, middle.y) == pytest.approx((-0.13, 0), abs=0.01)
+    assert Door().find(scan_at(doorway(), Pose2D(0.35, 0, 0), beams=721, field=360)) is None
+
+
+def test_people_and_clutter_ahead_do_not_hide_a_door():
+    scan = scan_at(doorway(), HERE)
+    ahead = np.abs(np.degrees(scan.angles)) < 40  # somebody 0.8 m ahead, across 80 degrees
+    assert Door().find(measured(scan, ahead, 0.8)) is not None
+    across = np.abs(np.degrees(scan.angles)) < 70
+    assert Door().find(measured(scan, across, 0.8)) is None  # the way is barred
 
 
 def test_a_narrow_scanner_finds_none():

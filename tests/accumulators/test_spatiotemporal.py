@@ -10,7 +10,6 @@ from sklearn.base import clone
 
 from placecue import (
     Boundary,
-    DataError,
     Observation,
     OneAgainstAll,
     OneAgainstOne,
@@ -169,10 +168,10 @@ def test_same_neighbours_are_merged_in_the_map_given_out():
     cut = SpatioTemporal(boundary=Doors([(3.0, 0.0)]))
     follow(cut, poses, lambda _: says("office"))
     assert len(cut.semantic_map().areas) == 2
-    whole = SpatioTemporal(boundary=Doors([(3.0, 0.0)]), merge_same_label=True)
+    whole = SpatioTemporal(boundary=Doors([(3.0, 0.0)]), merge="all")
     follow(whole, poses, lambda _: says("office"))
     (area,) = whole.semantic_map().areas
-    assert (area.id, area.label, area.confidence) == (0, "office", pytest.approx(1.0))
+    assert (area.id, area.label, area.margin) == (0, "office", pytest.approx(1.0))
 
 
 def test_node_left_makes_an_area_of_each_node():
@@ -186,34 +185,34 @@ def test_node_left_makes_an_area_of_each_node():
 
 
 def test_beliefs_that_are_not_sure_enough_are_dropped():
-    accumulator = SpatioTemporal(boundary=Doors())
+    accumulator = SpatioTemporal(boundary=Doors(), label_probability=0.0)
     sure, unsure = says("office", 0.05), says("kitchen", 0.049)  # confidences 0.1 and 0.098
     for i, belief in enumerate([unsure] * 20 + [sure]):
         accumulator.update(Observation(i, pose=Pose2D(i * 0.3, 0, 0)), belief)
     (area,) = accumulator.semantic_map().areas
     assert area.label == "office"
-    assert area.confidence == pytest.approx(0.1)
+    assert area.margin == pytest.approx(0.1)
 
 
 def test_beliefs_that_the_pipeline_calls_unknown_are_dropped():
-    accumulator = SpatioTemporal(boundary=Doors())
+    accumulator = SpatioTemporal(boundary=Doors(), label_probability=0.0)
     rejected = replace(says("kitchen", 0.9), label="unknown")  # of confidence 1.8 all the same
     for i in range(4):
         accumulator.update(Observation(i, pose=Pose2D(i * 0.2, 0, 0)), rejected)
     assert accumulator.semantic_map().areas[0].label == "unknown"
     accumulator.update(Observation(4, pose=Pose2D(0.8, 0, 0)), says("office", 0.1))
     (area,) = accumulator.semantic_map().areas
-    assert (area.label, area.confidence) == ("office", pytest.approx(0.2))
+    assert (area.label, area.margin) == ("office", pytest.approx(0.2))
 
 
 def test_viewpoints_where_no_belief_was_accepted_age_the_others():
-    accumulator = SpatioTemporal(boundary=Doors(), forget_after=2)
+    accumulator = SpatioTemporal(boundary=Doors(), forget_after=2, label_probability=0.0)
     beliefs = [says("kitchen", 0.9), None, says("kitchen", 0.01), says("office", 0.1)]
     for i, belief in enumerate(beliefs):
         accumulator.update(Observation(i, pose=Pose2D(i * 0.3, 0, 0)), belief)
     (area,) = accumulator.semantic_map().areas
     # The first bin was left three viewpoints ago, though only one belief was accepted since.
-    assert (area.label, area.confidence) == ("office", pytest.approx(0.2))
+    assert (area.label, area.margin) == ("office", pytest.approx(0.2))
     assert area.scores["kitchen"] == pytest.approx(-0.1)
 
 
@@ -224,7 +223,7 @@ def test_an_area_is_unknown_until_the_accumulated_belief_is_sure():
     for i, row in enumerate(rows):
         accumulator.update(Observation(i, pose=Pose2D(i * 0.4, 0, 0)), belief_of(row))
         (area,) = accumulator.semantic_map().areas
-        labels.append((area.label, area.confidence))
+        labels.append((area.label, area.margin))
     # Sums over bins: 0.2 / 0; 0.1 / 0.1; 1.1 / 3 against 0.2 / 3, a lead of 0.3.
     assert labels == [("unknown", 0.0), ("unknown", 0.0), ("corridor", pytest.approx(0.3))]
     assert area.scores == pytest.approx(
@@ -241,7 +240,7 @@ def test_one_against_one_decides_by_votes_on_the_sums():
         accumulator.update(Observation(i, pose=pose), belief_of(row, layout=layout))
     (area,) = accumulator.semantic_map().areas
     # The mean of the two bins: 0.2 0.4 0.6 0.6 0.7 0.5; corridor beats all, by 0.2 at least.
-    assert (area.label, area.confidence) == ("corridor", pytest.approx(0.2))
+    assert (area.label, area.margin) == ("corridor", pytest.approx(0.2))
     assert area.scores["corridor|kitchen"] == pytest.approx(0.2)
 
 
@@ -336,11 +335,39 @@ def test_a_change_of_layout_is_an_error():
     accumulator.update(Observation(1, pose=Pose2D(0, 0, 0)), other)
 
 
-def test_a_change_of_frame_is_an_error():
+def test_another_frame_begins_a_part_of_its_own():
     accumulator = SpatioTemporal(boundary=Doors())
-    accumulator.update(Observation(0, pose=Pose2D(0, 0, 0, "odom")), None)
-    with pytest.raises(DataError, match=r"'map'.*'odom'"):
-        accumulator.update(Observation(1, pose=Pose2D(0, 0, 0, "map")), None)
+    follow(accumulator, way((0, 0), (2.5, 0)), lambda _: says("office"))
+    elsewhere = [replace(pose, frame="map") for pose in way((0, 0), (2.5, 0))]
+    follow(accumulator, elsewhere, lambda _: says("kitchen"))
+    made = accumulator.semantic_map()
+    assert [(a.label, a.frame) for a in made.areas] == [("office", "odom"), ("kitchen", "map")]
+    assert made.frame == "odom"
+    part = {node.id: node.area for node in made.nodes}
+    assert set(part.values()) == {0, 1}  # though the positions are the same
+    assert all(part[a] == part[b] for a, b in made.edges)
+    (told,) = accumulator.warnings()
+    assert "frame of the poses changed 1 times, to map" in told
+
+
+def test_no_edge_leads_over_a_jump():
+    accumulator = SpatioTemporal(boundary=Doors())
+    follow(accumulator, way((0, 0), (2.5, 0)), lambda _: says("office"))
+    follow(accumulator, way((50, 0), (52.5, 0)), lambda _: says("office"))
+    made = accumulator.semantic_map()
+    at = {node.id: node.x for node in made.nodes}
+    assert max(abs(at[a] - at[b]) for a, b in made.edges) < 2
+    assert len(made.areas) == 2
+    assert accumulator.warnings()[0].startswith("the pose jumped 1 times")
+
+
+def test_a_robot_that_was_carried_to_where_it_has_been_is_there():
+    accumulator = SpatioTemporal(boundary=Doors())
+    follow(accumulator, way((0, 0), (5, 0)), lambda _: says("office"))
+    follow(accumulator, way((0, 0), (5, 0)), lambda _: says("office"))
+    made = accumulator.semantic_map()
+    assert len(made.areas) == 1
+    assert (0, len(made.nodes) - 1) not in made.edges
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ def nothing_but_empty_folders(folder: Path) -> bool:
         (["train", *LASER, f"{SVM}.qqq=1"], f"there is no 'qqq' in {SVM}; available: C, class_we"),
         (["train", "source.scn_topic=/scan"], "no 'scn_topic' in source; did you mean 'scan_topic"),
         (["label", "accumulator=nope"], "unknown accumulator 'nope'; available: "),
-        (["label", "boundary@accumulator.boundary=dor"], "unknown boundary 'dor'; did you mean"),
+        (["label", "boundaries@accumulator.boundary=dor"], "unknown boundary 'dor'; did you mean"),
         (["label", "accumulator.bin=1"], "there is no 'bin' in accumulator; did you mean 'bin_"),
         (["convert", "source=nope", "out=a.mcap"], "unknown source 'nope'; available: "),
         (["convert", "out=a.mcap"], "You must specify 'source', e.g, source=<OPTION>"),
@@ -153,9 +153,12 @@ def test_a_parameter_of_a_component_inside(
     [
         (["batch=0"], "batch is 0; give a whole number of at least 1"),
         (["batch=some"], "batch is 'some'; give a whole number of at least 1"),
-        (["accumulator.bin_x=0"], "bin_x is 0: give a size above 0"),
+        (["accumulator.bin_x=0"], "bin_x is 0; give a number above 0"),
         (["accumulator.bin_x=wide"], "bin_x must be a number, got 'wide'"),
-        (["accumulator.boundary.open_beams=1.5"], "open_beams must be a whole number, got 1.5"),
+        (
+            ["accumulator.boundary.door_noisy.open_beams=1.5"],
+            "open_beams must be a whole number, got 1.5",
+        ),
         (["model="], "model must be a path, got '': give model=PATH"),
     ],
 )

@@ -74,7 +74,7 @@ def test_files_and_lists(
         (["placecue", "cla"], "classify"),
         (["placecue", "train", "cue=la"], "cue=laser"),
         (["placecue", "train", "cue=[crfh,la"], "cue=[crfh,laser"),
-        (["placecue", "label", "boundary@accumulator.boundary=no"], ""),
+        (["placecue", "label", "boundaries@accumulator.boundary=no"], ""),
     ],
 )
 def test_in_bash(typed: list[str], offered: str) -> None:

@@ -16,6 +16,7 @@ from rooms import ROOMS
 FILES = {
     *("annotated.mcap", "beliefs.csv", "metrics.json", "placecue_layout.json"),
     *("report.html", "semantic_map.geojson", "semantic_map.json", "semantic_map.png"),
+    *("map.pgm", "map.yaml", "nodes.csv", "route_graph.geojson"),
 }
 
 
@@ -24,9 +25,9 @@ def room_at(x: float) -> str:
     return list(ROOMS)[round(x / 30.0)]
 
 
-@pytest.mark.parametrize("boundary", ["door", "door_noisy", "node"])
+@pytest.mark.parametrize("boundary", ["door", "door_noisy", "never", "node", "[door,evidence]"])
 def test_every_boundary(tmp_path: Path, model: Path, log_b: Path, boundary: str) -> None:
-    out, chosen = tmp_path / "out", f"boundary@accumulator.boundary={boundary}"
+    out, chosen = tmp_path / "out", f"boundaries@accumulator.boundary={boundary}"
     told = succeeds("label", f"model={model}", f"log={log_b}", chosen, f"out={out}")
     assert {path.name for path in out.iterdir()} == FILES
     data = json.loads((out / "semantic_map.json").read_text())

@@ -157,7 +157,7 @@ def run(case: str, deed: Any, log: Path, model: Path) -> Told:
         "source odd": ["convert", "source=odd", "out=out.mcap"],
         "accumulator odd": [*label, "accumulator=odd"],
         "accumulator last": [*label, "accumulator=last"],
-        "boundary odd": [*label, "boundary@accumulator.boundary=odd"],
+        "boundary odd": [*label, "boundaries@accumulator.boundary=odd"],
     }
     return placecue(*words[case])
 

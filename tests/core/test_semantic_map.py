@@ -6,7 +6,18 @@ from placecue import Area, DataError, Node, SemanticMap
 
 MAP = SemanticMap(
     areas=(
-        Area(0, "corridor", 0.7, {"corridor": 0.7, "office": 0.1}, 5, 9, ((0.0, 0.0), (1.0, 0.5))),
+        Area(
+            0,
+            "corridor",
+            0.7,
+            {"corridor": 0.9},
+            5,
+            9,
+            ((0.0, 0.0), (1.0, 0.5)),
+            margin=0.6,
+            probabilities={"corridor": 0.7, "office": 0.3},
+            frame="map",
+        ),
         Area(4, "unknown", 0.0),
     ),
     nodes=(Node(0, 0.0, 0.0, 0), Node(1, 1.0, 0.5, 0, gateway=True), Node(2, 2.0, 0.5, 4)),
@@ -41,7 +52,7 @@ def test_areas_are_found_by_number():
         MAP.area(1)
 
 
-@pytest.mark.parametrize("data", [{}, {"type": "placecue/semantic_map", "version": 2}])
+@pytest.mark.parametrize("data", [{}, {"type": "placecue/semantic_map", "version": 1}])
 def test_other_data_are_refused(data):
     with pytest.raises(DataError, match="not a semantic map"):
         SemanticMap.from_json(data)

@@ -8,6 +8,7 @@ from pathlib import Path
 from placecue.evaluation.report.page import REPORT
 from placecue.evaluation.training_report import INTEGRATOR, RELIABILITY, SEARCHES
 from placecue.logs.writing.annotated import LAYOUT
+from placecue.storage import map_files
 from placecue.storage.belief_table import COLUMNS
 from placecue.storage.manifest import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
 
@@ -21,7 +22,8 @@ EVALUATED = ("experiment.json", "results.csv", REPORT)
 TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
 SUGGESTED = (SUGGESTIONS, REPORT)
-LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE, REPORT)
+MAP_FILES = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
+LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE, REPORT, *MAP_FILES)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 
 

@@ -19,12 +19,16 @@ from placecue.evaluation.report.labelling import run_page
 from placecue.evaluation.report.sampled import MistakeSample
 from placecue.evaluation.surroundings import Surroundings
 from placecue.evaluation.tally import Tally
+from placecue.free_space import FreeSpace
 from placecue.guard import call
 from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import LAYOUT, AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
+from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
+from placecue.storage.map_files import write_map_files
+from placecue.surfaces import with_surfaces
 
 WRITES = files.LABELLED
 
@@ -64,7 +68,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     plugins = current_plugins()
     pipeline, log = model_and_log(config, plugins, ("scan", "pose", "label"))
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
-    surroundings, sample = Surroundings(), MistakeSample()
+    surroundings, sample, space = Surroundings(), MistakeSample(), FreeSpace()
     reported = reporting.is_wanted(config)
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
@@ -74,6 +78,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         listeners: list[Listener] = [
             tally,
             surroundings,
+            space,
             annotated,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
@@ -81,10 +86,14 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
+        grid = space.grid()
+        semantic_map = with_surfaces(semantic_map, grid)
         annotated.close_with(semantic_map)
+        doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out)
     write_json(out / files.MAP, semantic_map.to_json())  # whatever becomes of the picture
     write_json(out / files.GEOJSON, semantic_map.to_geojson())
+    write_map_files(semantic_map, grid, out)
     draw_semantic_map(
         semantic_map,
         out / files.PICTURE,
@@ -99,6 +108,8 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
     reporting.write(config, out, lambda: run_page(
         f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE
     ))  # fmt: skip
+    for doubt in doubts:
+        print(f"note: {doubt}")
     return semantic_map
 
 
@@ -108,6 +119,9 @@ def results(out: Path, scored: bool) -> list[tuple[str, Path]]:
         *([("scores", out / files.SCORES)] if scored else []),
         ("semantic map", out / files.MAP),
         ("as GeoJSON", out / files.GEOJSON),
+        ("for Nav2", out / map_files.ROUTE_GRAPH),
+        ("", out / map_files.ABOUT),
+        ("its nodes", out / map_files.NODES),
         ("its picture", out / files.PICTURE),
         ("beliefs", out / files.BELIEFS),
         ("annotated log", out / files.ANNOTATED),

@@ -7,6 +7,7 @@ COMMANDS = {
     "train": "log(s) -> model folder",
     "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
     "label": "model + log -> semantic map, online in one pass",
+    "where": "a map and a position -> which room, and how sure",
     "evaluate": "an experiment: pairs of logs, methods -> tables, figures, significance",
     "report": "a run folder, or several -> its tables, figures and page, made again",
     "teach": "model + labelled log -> a model that knows these samples or places as well",

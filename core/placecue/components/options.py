@@ -1,8 +1,9 @@
 """How Hydra finds the options of plugins.
 
-Three things are registered with Hydra in-process: a search-path plugin that appends the config
+Four things are registered with Hydra in-process: a search-path plugin that appends the config
 paths which plugins bring, a config source that makes an option for every component without a YAML
-file, from its parameters' defaults, and one that gives the options of cues as parts of a cue.
+file, from its parameters' defaults, one that gives the options of cues as parts of a cue, and one
+that lets several boundaries be chosen.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ class PluginOptions(SearchPathPlugin):
             search_path.append(provider=distribution, path=path)
         search_path.append(provider="placecue-defaults", path="component://")
         search_path.append(provider="placecue-parts", path="parts://")
+        search_path.append(provider="placecue-boundaries", path="boundaries://")
 
 
 class ComponentOptions(ConfigSource):
@@ -138,12 +140,14 @@ def _name_of(default: Any, kind: Kind, registry: Registry) -> str | None:
 
 def register_with_hydra() -> None:
     """Make Hydra see the options of plugins, and report option files that clash."""
+    from placecue.components.boundary_options import BoundaryOptions  # made of what stands above
     from placecue.components.part_options import PartOptions  # made of what stands above
 
     plugins = HydraPlugins.instance()
     plugins.register(PluginOptions)
     plugins.register(ComponentOptions)
     plugins.register(PartOptions)
+    plugins.register(BoundaryOptions)
     for clash in clashes():
         log.warning(clash)
 

@@ -19,14 +19,16 @@ from placecue.contracts.observations import (
     scan,
     stamp,
     text,
+    texts,
 )
-from placecue.contracts.space import area_update, crossing, pose, semantic_map
+from placecue.contracts.space import area_update, behind, crossing, pose, semantic_map
 from placecue.folds import promised as folds
 
 __all__ = [
     "area_update",
     "augmentations",
     "batch",
+    "behind",
     "camera",
     "count",
     "crossing",
@@ -46,5 +48,6 @@ __all__ = [
     "semantic_map",
     "stamp",
     "text",
+    "texts",
     "trained",
 ]

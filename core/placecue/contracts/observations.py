@@ -21,6 +21,12 @@ def text(made: Any) -> str | None:
     return None if isinstance(made, str) and made else f"is {shown(made)}, not a text"
 
 
+def texts(made: Any) -> str | None:
+    """Check a list of lines for a person."""
+    right = isinstance(made, list) and all(isinstance(each, str) for each in made)
+    return None if right else f"returned {shown(made)}, not a list of texts"
+
+
 def count(made: Any) -> str | None:
     """Check how many observations a source says to have."""
     right = made is None or (whole(made) and made >= 0)

@@ -38,6 +38,14 @@ def crossing(made: Any) -> str | None:
     return fields("a Pose2D", *_pose(made))
 
 
+def behind(made: Any) -> str | None:
+    """Check what ``Boundary.believe`` returns."""
+    if made is None or (number(made) and made >= 0):
+        return None
+    told = f"{made!r}" if isinstance(made, Real) else described(made)
+    return f"returned {told}, not a distance of at least 0 or None"
+
+
 def semantic_map(made: Any) -> str | None:
     """Check what ``Accumulator.semantic_map`` returns, and that its parts refer to one another."""
     if not isinstance(made, SemanticMap):

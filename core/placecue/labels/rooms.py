@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from placecue.errors import DataError
 from placecue.labels.geojson import Feature, read_geojson
+from placecue.polygons import crossings
 
 Ring = NDArray[np.float64]
 
@@ -35,20 +36,12 @@ class Room:
 
     def holds(self, x: float, y: float) -> bool:
         """Tell whether a point, m, lies inside, by the even-odd rule."""
-        return sum(_crossings(ring, x, y) for ring in self.rings) % 2 == 1
+        return sum(crossings(ring, x, y) for ring in self.rings) % 2 == 1
 
     def area(self) -> float:
         """Return the area within the outer boundary, m²."""
         x, y = self.rings[0].T
         return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
-
-
-def _crossings(ring: Ring, x: float, y: float) -> int:
-    """Count the sides that a ray from a point along x crosses."""
-    (x0, y0), (x1, y1) = ring.T, np.roll(ring, -1, axis=0).T
-    spans = (y0 > y) != (y1 > y)
-    along = x0[spans] + (y - y0[spans]) / (y1[spans] - y0[spans]) * (x1[spans] - x0[spans])
-    return int(np.count_nonzero(along > x))
 
 
 class Rooms:

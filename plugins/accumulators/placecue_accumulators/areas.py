@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 
-from placecue.scores import Layout
 from placecue.semantic_map import UNKNOWN, Area
 from placecue_accumulators.histogram import BinSums, Key
+from placecue_accumulators.judging import Judge, Judgement
 
 Way = dict[Key, tuple[float, float]]
 
@@ -21,7 +22,9 @@ class AreaRecord:
         Number of the area.
     start, end : int
         Stamps of its first and last observation, ns.
-    label, confidence, scores
+    frame : str
+        The frame of its positions.
+    judged : Judgement
         What the accumulated belief said when it last was sure enough.
     evidence : BinSums
         Sum of the stored priors of its nodes.
@@ -34,51 +37,40 @@ class AreaRecord:
     number: int
     start: int
     end: int
-    label: str = UNKNOWN
-    confidence: float = 0.0
-    scores: dict[str, float] = field(default_factory=dict)
+    frame: str = "odom"
+    judged: Judgement = field(default_factory=Judgement)
     evidence: BinSums = field(default_factory=BinSums)
     way: Way = field(default_factory=dict)
     nodes: list[int] = field(default_factory=list)
 
-    def judge(self, sums: BinSums, layout: Layout, threshold: float) -> bool:
-        """Decide on accumulated scores by the layout's own rule.
+    def judge(self, sums: BinSums, judge: Judge) -> bool:
+        """Judge accumulated scores; a label once given stays until another one is sure enough.
 
-        A label once given stays until another one is sure enough.
+        Its probability is told as it is, so that a label in doubt is seen to be.
 
         Parameters
         ----------
         sums : BinSums
             Scores summed over bins; at least one bin.
-        layout : Layout
-            What the scores are.
-        threshold : float
-            Least confidence to give a label, in the unit of the scores.
+        judge : Judge
+            How.
 
         Returns
         -------
         bool
             Whether the label changed.
         """
-        mean = sums.mean()
-        decision = layout.decide(mean[None])
-        label, confidence = str(decision.labels[0]), float(decision.confidence[0])
-        sure = confidence >= threshold
-        if not sure and self.label not in (UNKNOWN, label):
-            return False
-        self.scores = dict(zip(layout.columns, mean.tolist(), strict=True))
-        if not sure and self.label == UNKNOWN:
-            return False
-        changed = self.label != label
-        self.label, self.confidence = label, confidence
-        return changed
+        made, before = judge.judge(sums), self.judged.label
+        if made.label == UNKNOWN != before:
+            made = replace(made, label=before, probability=made.probabilities[before])
+        self.judged = made
+        return made.label != before
 
     def absorb(self, other: AreaRecord) -> None:
         """Take over the nodes, way and evidence of another area, and its label if weightier."""
-        weightier = other.label != UNKNOWN and other.evidence.bins > self.evidence.bins
-        if self.label == UNKNOWN or weightier:
-            self.label, self.confidence = other.label, other.confidence
-            self.scores = other.scores
+        weightier = other.judged.label != UNKNOWN and other.evidence.bins > self.evidence.bins
+        if self.judged.label == UNKNOWN or weightier:
+            self.judged = other.judged
         self.start, self.end = min(self.start, other.start), max(self.end, other.end)
         self.evidence = self.evidence + other.evidence
         self.way.update(other.way)
@@ -88,11 +80,14 @@ class AreaRecord:
         """Return the area as it stands, for a map."""
         return Area(
             id=self.number,
-            label=self.label,
-            confidence=self.confidence,
-            scores=dict(self.scores),
+            label=self.judged.label,
+            confidence=self.judged.probability,
+            margin=self.judged.margin,
+            probabilities=dict(self.judged.probabilities),
+            scores=dict(self.judged.scores),
             start=self.start,
             end=self.end,
+            frame=self.frame,
             trajectory=tuple(self.way.values()),
         )
 
@@ -110,12 +105,12 @@ class Areas:
         self.prior_bins = prior_bins
         self.records: dict[int, AreaRecord] = {}
         self.area_of: dict[int, int] = {}
-        self._priors: dict[int, BinSums] = {}
+        self.priors: dict[int, BinSums] = {}
         self._made = 0
 
-    def begin(self, stamp: int) -> AreaRecord:
+    def begin(self, stamp: int, frame: str = "odom") -> AreaRecord:
         """Make a new, empty area."""
-        record = AreaRecord(self._made, start=stamp, end=stamp)
+        record = AreaRecord(self._made, start=stamp, end=stamp, frame=frame)
         self.records[record.number] = record
         self._made += 1
         return record
@@ -127,11 +122,20 @@ class Areas:
 
     def store(self, node: int, sums: BinSums) -> None:
         """Add what was seen at a node to what is stored there, and to its area's evidence."""
-        before = self._priors.get(node, BinSums())
+        before = self.priors.get(node, BinSums())
         after = before.limited(self.prior_bins) + sums
-        self._priors[node] = after
+        self.priors[node] = after
         record = self.records[self.area_of[node]]
         record.evidence = record.evidence - before + after
+
+    def move(self, nodes: Iterable[int], to: AreaRecord) -> None:
+        """Take nodes, and what is stored there, from their areas into another."""
+        for node in nodes:
+            left, prior = self.records[self.area_of[node]], self.priors.get(node, BinSums())
+            left.nodes.remove(node)
+            left.evidence = left.evidence - prior
+            to.evidence = to.evidence + prior
+            self.assign(node, to.number)
 
     def merge(self, one: int, other: int) -> AreaRecord:
         """Join two areas under the smaller number."""

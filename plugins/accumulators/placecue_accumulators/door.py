@@ -13,6 +13,9 @@ from placecue.observation import LaserScan, Observation, Pose2D
 
 Floats = NDArray[np.float64]
 
+#: Beams so little behind straight right and left still count as ahead, rad.
+HALF_A_BEAM = radians(0.5)
+
 
 class Frontal(NamedTuple):
     """The beams in front of the robot, from right to left: bearings (rad) and ranges (m)."""
@@ -28,7 +31,7 @@ class Frontal(NamedTuple):
         return np.asarray(self.ranges[rows, None] * towards)
 
 
-def frontal(scan: LaserScan, min_range: float) -> Frontal:
+def frontal(scan: LaserScan, min_range: float, behind: float = 0.0) -> Frontal:
     """Return the beams within 90 degrees of the robot's heading, by bearing.
 
     Parameters
@@ -37,10 +40,12 @@ def frontal(scan: LaserScan, min_range: float) -> Frontal:
         Any field of view, however mounted.
     min_range : float
         Shorter beams are invalid, m.
+    behind : float
+        So much more to each side, rad, where the scanner sees it.
     """
     bearings = (scan.angles + scan.mount.theta + pi) % (2 * pi) - pi
     half_step = abs(scan.angles[1] - scan.angles[0]) / 2 if scan.angles.size > 1 else 0.0
-    rows = np.flatnonzero(np.abs(bearings) <= pi / 2 + half_step)
+    rows = np.flatnonzero(np.abs(bearings) <= pi / 2 + half_step + behind)
     rows = rows[np.argsort(bearings[rows], kind="stable")]
     ranges = scan.ranges[rows]
     with np.errstate(invalid="ignore"):
@@ -51,9 +56,9 @@ def frontal(scan: LaserScan, min_range: float) -> Frontal:
 class Door(Boundary):
     """A doorway: two posts beside the scanner, a door's width apart, and depth between them.
 
-    The post on each side is the nearest valid beam within ``post_bearing`` of the end of the
-    frontal 180 degrees; their ranges must add up to the width of a door. A scanner that sees less
-    than that to each side finds no doors.
+    The post on each side is the nearest valid beam within ``post_bearing`` of straight right and
+    left, behind too where the scanner sees so far; their ranges must add up to the width of a
+    door. A scanner that sees less than 180 degrees finds no doors.
 
     Parameters
     ----------
@@ -143,7 +148,7 @@ class Door(Boundary):
         Pose2D or None
             The middle between the posts in the robot's frame, or None where there is no door.
         """
-        front = frontal(scan, self.min_range)
+        front = frontal(scan, self.min_range, radians(self.post_bearing))
         right = self._post(front, -pi / 2)
         left = self._post(front, pi / 2)
         if right is None or left is None:
@@ -179,7 +184,8 @@ class Door(Boundary):
     def _is_open(self, front: Frontal, right: int, left: int) -> bool:
         with np.errstate(invalid="ignore"):
             deep = np.count_nonzero(front.ranges[right + 1 : left] > self.open_range)
-        return bool(deep * self.of_beams >= self.open_beams * front.ranges.size)
+        ahead = np.count_nonzero(np.abs(front.bearings) <= pi / 2 + HALF_A_BEAM)
+        return bool(deep * self.of_beams >= self.open_beams * ahead)
 
     def _supported(self, front: Frontal, post: int) -> bool:
         rows = np.flatnonzero(front.valid)

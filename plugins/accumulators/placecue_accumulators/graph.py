@@ -3,17 +3,48 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, floor, hypot
+from math import ceil, cos, floor, hypot, sin
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A node of the graph: a position in m, and whether it is a gateway."""
+    """A node of the graph.
+
+    Parameters
+    ----------
+    x, y : float
+        Position, m.
+    gateway : bool
+        Whether it is a door.
+    heading : float
+        The direction in which the door is passed, rad.
+    """
 
     x: float
     y: float
     gateway: bool = False
+    heading: float = 0.0
+
+    def parts(self, one: Place, other: Place, half_width: float) -> bool:
+        """Tell whether this door lies across the line between two nodes.
+
+        Parameters
+        ----------
+        one, other : Place
+            The ends of the line.
+        half_width : float
+            From the middle of the door to where its wall begins, m.
+        """
+        (a, u), (b, v) = self._seen(one), self._seen(other)
+        return a * b < 0 and abs(u + (v - u) * a / (a - b)) <= half_width
+
+    def _seen(self, place: Place) -> tuple[float, float]:
+        """Return a position along the passage and across it, m."""
+        dx, dy = place.x - self.x, place.y - self.y
+        c, s = cos(self.heading), sin(self.heading)
+        return dx * c + dy * s, dy * c - dx * s
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +149,8 @@ class NavigationGraph:
             return self._go(self._make(Place(x, y)), new=True)
         return None if nearest == self.current else self._go(nearest, new=False)
 
-    def pass_gateway(self, x: float, y: float) -> Step | None:
-        """Tell the graph that the robot passes a door at (x, y), m.
+    def pass_gateway(self, x: float, y: float, heading: float = 0.0) -> Step | None:
+        """Tell the graph that the robot passes a door at (x, y), m, in a direction, rad.
 
         Returns
         -------
@@ -128,7 +159,56 @@ class NavigationGraph:
         """
         if self._gateways.nearest(x, y, self.gateway_spacing) is not None:
             return None
-        return self._go(self._make(Place(x, y, gateway=True)), new=True)
+        return self._go(self._make(Place(x, y, gateway=True, heading=heading)), new=True)
+
+    def leave(self) -> None:
+        """Tell the graph that the robot is somewhere else, and did not drive there."""
+        self.current = None
+
+    def begin_part(self) -> None:
+        """Tell the graph that positions from now on have nothing to do with those before."""
+        self.leave()
+        self._near = Neighbourhood(self.spacing)
+        self._gateways = Neighbourhood(self.spacing)
+
+    def part_at(self, gateway: int, half_width: float) -> set[tuple[int, int]]:
+        """Lead edges that go through a door over its gateway; return those that did not.
+
+        Parameters
+        ----------
+        gateway : int
+            The gateway's number.
+        half_width : float
+            See :meth:`Place.parts`.
+        """
+        door, places = self.places[gateway], self.places
+        through = {
+            (a, b)
+            for a, b in self.edges
+            if gateway not in (a, b) and door.parts(places[a], places[b], half_width)
+        }
+        self.edges -= through
+        for node in {node for edge in through for node in edge}:
+            self.edges.add((min(node, gateway), max(node, gateway)))
+        return through
+
+    def pieces(self, nodes: Sequence[int]) -> list[list[int]]:
+        """Return which of some nodes hang together without a gateway, the largest piece first."""
+        left = {node for node in nodes if not self.places[node].gateway}
+        joined = defaultdict(list)
+        for a, b in self.edges:
+            if a in left and b in left:
+                joined[a].append(b)
+                joined[b].append(a)
+        pieces = []
+        while left:
+            piece, reached = [], [left.pop()]
+            while reached:
+                piece.append(node := reached.pop())
+                reached += (new := left.intersection(joined[node]))
+                left -= new
+            pieces.append(sorted(piece))
+        return sorted(pieces, key=lambda piece: (-len(piece), piece))
 
     def _make(self, place: Place) -> int:
         number = len(self.places)

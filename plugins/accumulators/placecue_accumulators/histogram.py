@@ -125,14 +125,28 @@ class ViewpointHistogram:
             known.count += 1
             self._total = self._total + (known.mean - before)
 
+    @property
+    def visits(self) -> int:
+        """How many viewpoints there were since it was last cleared."""
+        return self._visit
+
+    def keep_since(self, visit: int) -> None:
+        """Forget the bins that were last visited before a viewpoint, counted by :attr:`visits`."""
+        while self._bins and next(iter(self._bins.values())).visit < visit:
+            self._drop()
+
     def _forget(self) -> None:
         while self.forget_after is not None and self._bins:
-            key, oldest = next(iter(self._bins.items()))
+            oldest = next(iter(self._bins.values()))
             if self._visit - oldest.visit <= self.forget_after:
                 return
-            del self._bins[key]
-            # Nothing is left of nothing, not even what rounding leaves.
-            self._total = self._total - oldest.mean if self._bins else np.zeros(())
+            self._drop()
+
+    def _drop(self) -> None:
+        """Forget the bin that was not visited for the longest time."""
+        _, oldest = self._bins.popitem(last=False)
+        # Nothing is left of nothing, not even what rounding leaves.
+        self._total = self._total - oldest.mean if self._bins else np.zeros(())
 
     def sums(self) -> BinSums:
         """Return the bins' means summed, and how many bins there are."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -11,24 +12,31 @@ from scipy.sparse.csgraph import connected_components
 
 from placecue.semantic_map import UNKNOWN, Area, SemanticMap
 
+Merge = Literal["none", "open", "all"]
+MERGES: tuple[Merge, ...] = get_args(Merge)
 
-def merge_same_label(semantic_map: SemanticMap) -> SemanticMap:
+
+def merge_same_label(semantic_map: SemanticMap, merge: Merge = "all") -> SemanticMap:
     """Join areas that an edge of the graph connects and that have the same label.
 
-    A false door only cuts an area in two; this undoes it. Unknown areas are left alone.
+    A false boundary only cuts an area in two; this undoes it. Unknown areas are left alone.
 
     Parameters
     ----------
     semantic_map : SemanticMap
         A map; it is not changed.
+    merge : {"none", "open", "all"}
+        Whether to join nothing, areas without a door between them, or those with one too.
 
     Returns
     -------
     SemanticMap
-        The map with the joined areas under their smallest number. Scores and confidences are
-        averaged, weighted by the positions in each area's trajectory.
+        The map with the joined areas under their smallest number. Scores, margins and
+        probabilities are averaged, weighted by the positions in each area's trajectory.
     """
-    groups = _groups(semantic_map)
+    if merge == "none":
+        return semantic_map
+    groups = _groups(semantic_map, doors=merge == "all")
     joined = {area.id: group[0].id for group in groups for area in group}
     return replace(
         semantic_map,
@@ -37,11 +45,13 @@ def merge_same_label(semantic_map: SemanticMap) -> SemanticMap:
     )
 
 
-def _groups(semantic_map: SemanticMap) -> list[list[Area]]:
+def _groups(semantic_map: SemanticMap, doors: bool) -> list[list[Area]]:
     areas = sorted(semantic_map.areas, key=lambda area: area.id)
     row = {area.id: i for i, area in enumerate(areas)}
     home = {node.id: row[node.area] for node in semantic_map.nodes}
-    pairs = [(home[a], home[b]) for a, b in semantic_map.edges]
+    closed = set() if doors else {node.id for node in semantic_map.nodes if node.gateway}
+    edges = [edge for edge in semantic_map.edges if closed.isdisjoint(edge)]
+    pairs = [(home[a], home[b]) for a, b in edges]
     alike = [(a, b) for a, b in pairs if areas[a].label == areas[b].label != UNKNOWN]
     first, second = np.array(alike, dtype=np.intp).reshape(-1, 2).T
     links = coo_array((np.ones(len(alike)), (first, second)), shape=(len(areas), len(areas)))
@@ -56,15 +66,20 @@ def _join(group: Sequence[Area]) -> Area:
     if len(group) == 1:
         return group[0]
     weights = [max(len(area.trajectory), 1) for area in group]
-    columns = group[0].scores
     return replace(
         group[0],
         confidence=float(np.average([area.confidence for area in group], weights=weights)),
-        scores={
-            column: float(np.average([area.scores[column] for area in group], weights=weights))
-            for column in columns
-        },
+        margin=float(np.average([area.margin for area in group], weights=weights)),
+        probabilities=_averaged([area.probabilities for area in group], weights),
+        scores=_averaged([area.scores for area in group], weights),
         start=min(area.start for area in group),
         end=max(area.end for area in group),
         trajectory=tuple(point for area in group for point in area.trajectory),
     )
+
+
+def _averaged(tables: Sequence[Mapping[str, float]], weights: Sequence[int]) -> dict[str, float]:
+    return {
+        name: float(np.average([table[name] for table in tables], weights=weights))
+        for name in tables[0]
+    }

@@ -20,7 +20,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "label": (
         "placecue label model run2.mcap",
         "placecue label run2.bag model=model out=labelled",
-        "placecue label model run2.mcap boundary@accumulator.boundary=door_noisy",
+        "placecue label model run2.mcap 'boundaries@accumulator.boundary=[door,evidence]'",
     ),
     "evaluate": (
         "placecue evaluate a.mcap b.mcap c.mcap",
@@ -52,6 +52,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "placecue suggest model run2.mcap out=suggested",
         "placecue suggest model run2.mcap moments=50 out=suggested",
     ),
+    "where": ("placecue where map=labelled x=3.0 y=5.2",),
     "cache": ("placecue cache", "placecue cache unused_days=30", "placecue cache trim_to=2"),
     "plugins": ("placecue plugins", "placecue plugins kind=cue", "placecue plugins --json"),
     "doctor": ("placecue doctor", "placecue doctor run.bag", "placecue doctor run.mcap model"),

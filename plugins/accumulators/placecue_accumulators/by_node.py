@@ -1,0 +1,278 @@
+"""What accumulators share that label the nodes of the graph first, and find areas afterwards."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.accumulator import Accumulator, AreaUpdate
+from placecue.belief import Belief
+from placecue.checks import check_number, check_whole
+from placecue.distribution import doubted
+from placecue.observation import Observation, Pose2D
+from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
+from placecue_accumulators.areas import Way
+from placecue_accumulators.doubts import Doubts
+from placecue_accumulators.graph import NavigationGraph, Step
+from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
+from placecue_accumulators.judging import Judge, check_same_layout, usual_sharpness
+from placecue_accumulators.time_windows import TimeWindows
+from placecue_accumulators.way import Odometer, is_pose
+
+Values = NDArray[np.float64]
+
+
+class NodeAccumulator(Accumulator):
+    """Gathers evidence at the nodes of the navigation graph; areas are nodes of one label.
+
+    Parameters are those of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
+    """
+
+    bin_x: float
+    bin_y: float
+    bin_theta: float
+    accept_confidence: float
+    label_probability: float
+    sharpness: float | None
+    independent: float
+    doubt: float
+    node_spacing: float
+    prior_bins: float
+
+    @abstractmethod
+    def _probabilities(self, likelihoods: Values, edges: Sequence[tuple[int, int]]) -> Values:
+        """Return the probability of each class at each node, shape (n, M).
+
+        Parameters
+        ----------
+        likelihoods : ndarray of float64, shape (n, M)
+            Log-likelihoods by what was seen at each node.
+        edges : sequence of (int, int)
+            Pairs of nodes.
+        """
+
+    def _stepped(self, step: Step, likelihood: Values) -> None:
+        """Take note that the robot leaves a node, and what it has seen there on this visit."""
+
+    def _broken(self) -> None:
+        """Take note that the robot is somewhere else, and did not drive there."""
+
+    def reset(self) -> None:
+        """Forget everything, as before the first observation."""
+        self.check_parameters()
+        self.graph_ = NavigationGraph(self.node_spacing)
+        self.here_ = ViewpointHistogram(None)
+        self.priors_: dict[int, BinSums] = {}
+        self.ways_: dict[int, Way] = {}
+        self.times_: dict[int, tuple[int, int]] = {}
+        self.frames_: dict[int, str] = {}
+        self.odometer_ = Odometer()
+        self.judge_: Judge | None = None
+        self.doubts_ = Doubts()
+        self.windows_ = TimeWindows()
+        self.said_: tuple[int, str] | None = None
+
+    def update(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
+        """Take in the next observation; see :class:`placecue.Accumulator`.
+
+        The update names the node that the robot is at, and what was seen there alone: areas are
+        found when the map is asked for.
+        """
+        if not hasattr(self, "graph_"):
+            self.reset()
+        pose = observation.pose
+        if pose is None or not is_pose(pose):
+            return self._unplaced(observation, belief)
+        self._move(pose, observation.stamp)
+        self._walk(pose, observation.stamp)
+        if belief is None or not self._accepts(belief):
+            return None
+        viewpoint = (pose.x, pose.y, self.odometer_.theta)
+        sizes = (self.bin_x, self.bin_y, self.bin_theta)
+        self._judge_of(belief)
+        self.here_.add(bin_of(viewpoint, sizes), belief.scores.values[0])
+        self.doubts_.count(belief.label)
+        return self._news()
+
+    def semantic_map(self) -> SemanticMap:
+        """Return the map as it stands after the observations so far."""
+        if not hasattr(self, "graph_"):
+            self.reset()
+        n = len(self.graph_.places)
+        if self.judge_ is not None and self.windows_ and not n:
+            return self.windows_.semantic_map(self.judge_)
+        edges = sorted(self.graph_.edges)
+        classes = self.judge_.layout.classes if self.judge_ else ()
+        found = self._probabilities(self._likelihoods(), edges) if classes else np.zeros((n, 0))
+        found = doubted(found, self.doubt) if classes else found
+        labels = [self._label(row, classes) for row in found]
+        area_of = self._areas(labels, edges)
+        members: dict[int, list[int]] = {}
+        for node, area in enumerate(area_of):
+            members.setdefault(area, []).append(node)
+        return SemanticMap(
+            areas=tuple(self._area(nodes, labels, found, classes) for nodes in members.values()),
+            nodes=tuple(
+                Node(
+                    number,
+                    place.x,
+                    place.y,
+                    area_of[number],
+                    probabilities=dict(zip(classes, found[number].tolist(), strict=True)),
+                )
+                for number, place in enumerate(self.graph_.places)
+            ),
+            edges=tuple(edges),
+            classes=classes,
+            frame=self.frames_.get(0, "odom"),
+        )
+
+    def warnings(self) -> list[str]:
+        """Return what a person should know of the map, a line each."""
+        return self.doubts_.lines(self.semantic_map()) if hasattr(self, "graph_") else []
+
+    def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
+        """Take in a moment without a pose: of a log without any, areas are windows of time."""
+        self.doubts_.unplaced += 1
+        if self.graph_.places or belief is None or not self._accepts(belief):
+            return None
+        judge = self._judge_of(belief)
+        return self.windows_.add(observation.stamp, belief.scores.values[0], judge)
+
+    # ------------------------------------------------------------------ space
+
+    def _move(self, pose: Pose2D, stamp: int) -> None:
+        turn = self.odometer_.follow(pose, stamp)
+        if turn != "on":
+            self._store(self.graph_.current)
+            self.doubts_.broken(turn, pose)
+            self._broken()
+            if turn == "frame":
+                self.graph_.begin_part()
+            else:
+                self.graph_.leave()
+        before = self.graph_.current
+        step = self.graph_.visit(pose.x, pose.y)
+        if step is not None:
+            seen = self._store(before)
+            if seen is not None:
+                self._stepped(step, seen)
+
+    def _store(self, node: int | None) -> Values | None:
+        """Add what was seen at a node to what is stored there; return it alone."""
+        sums = self.here_.sums()
+        self.here_.clear()
+        if node is None:
+            return None
+        if sums.bins > 0:
+            before = self.priors_.get(node, BinSums())
+            self.priors_[node] = before.limited(self.prior_bins) + sums
+        return None if self.judge_ is None else self.judge_.likelihoods(sums)
+
+    def _walk(self, pose: Pose2D, stamp: int) -> None:
+        node = self.graph_.current
+        if node is None:
+            return
+        key = bin_of((pose.x, pose.y), (self.bin_x, self.bin_y))
+        self.ways_.setdefault(node, {}).setdefault(key, (pose.x, pose.y))
+        first, last = self.times_.get(node, (stamp, stamp))
+        self.times_[node] = min(first, stamp), max(last, stamp)
+        self.frames_.setdefault(node, pose.frame)
+
+    # ------------------------------------------------------------------ labels
+
+    def _likelihoods(self) -> Values:
+        assert self.judge_ is not None
+        here, rows = self.graph_.current, []
+        for node in range(len(self.graph_.places)):
+            sums = self.priors_.get(node, BinSums())
+            rows.append(self.judge_.likelihoods(sums + self.here_.sums() if node == here else sums))
+        return np.array(rows).reshape(-1, len(self.judge_.layout.classes))
+
+    def _label(self, row: Values, classes: Sequence[str]) -> str:
+        if not len(row) or row.max() < self.label_probability:
+            return UNKNOWN
+        return classes[int(row.argmax())]
+
+    @staticmethod
+    def _areas(labels: Sequence[str], edges: Sequence[tuple[int, int]]) -> list[int]:
+        """Return the area of each node: the smallest node of those that hang together."""
+        home = list(range(len(labels)))
+
+        def root(node: int) -> int:
+            while home[node] != node:
+                home[node] = home[home[node]]
+                node = home[node]
+            return node
+
+        for a, b in edges:
+            if labels[a] == labels[b]:
+                first, second = sorted((root(a), root(b)))
+                home[second] = first
+        return [root(node) for node in range(len(labels))]
+
+    def _area(
+        self, nodes: Sequence[int], labels: Sequence[str], found: Values, classes: Sequence[str]
+    ) -> Area:
+        mean = found[list(nodes)].mean(axis=0).tolist()
+        by_class = dict(zip(classes, mean, strict=True))
+        label = labels[nodes[0]]
+        times = [self.times_[node] for node in nodes]
+        return Area(
+            id=nodes[0],
+            label=label,
+            confidence=by_class.get(label, 0.0),
+            probabilities=by_class,
+            start=min(first for first, _ in times),
+            end=max(last for _, last in times),
+            frame=self.frames_[nodes[0]],
+            trajectory=tuple(at for node in nodes for at in self.ways_[node].values()),
+        )
+
+    def _news(self) -> AreaUpdate | None:
+        node, judge = self.graph_.current, self.judge_
+        if node is None or judge is None:
+            return None
+        sums = self.priors_.get(node, BinSums()) + self.here_.sums()
+        found = judge.probabilities(sums)
+        label = self._label(found, judge.layout.classes)
+        if self.said_ == (node, label):
+            return None
+        self.said_ = node, label
+        return AreaUpdate(node, label, float(found.max()) if label != UNKNOWN else 0.0)
+
+    def _accepts(self, belief: Belief) -> bool:
+        sure = belief.label != UNKNOWN and belief.confidence >= self.accept_confidence
+        return sure and bool(np.isfinite(belief.scores.values).all())
+
+    def _judge_of(self, belief: Belief) -> Judge:
+        layout = belief.scores.layout
+        if self.judge_ is None:
+            sharpness = usual_sharpness(layout) if self.sharpness is None else self.sharpness
+            self.judge_ = Judge(
+                layout=layout,
+                sharpness=sharpness,
+                least_margin=0.0,
+                least_probability=self.label_probability,
+                independent=self.independent,
+                doubt=self.doubt,
+                most_bins=self.prior_bins,
+            )
+        check_same_layout(self.judge_.layout, layout)
+        return self.judge_
+
+    def check_parameters(self) -> None:
+        """Raise UsageError if a size is not positive or a share not between 0 and 1."""
+        for name in ("bin_x", "bin_y", "bin_theta", "node_spacing", "prior_bins"):
+            check_number(name, getattr(self, name), above=0)
+        for name in ("label_probability", "doubt"):
+            check_number(name, getattr(self, name), least=0, below=1)
+        check_number("independent", self.independent, least=0, most=1)
+        if self.sharpness is not None:
+            check_number("sharpness", self.sharpness, above=0)
+        for name in ("rounds", "lag"):
+            if hasattr(self, name):
+                check_whole(name, getattr(self, name), least=1)

@@ -1,0 +1,76 @@
+"""A conditional random field over the navigation graph."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue_accumulators.by_node import NodeAccumulator
+from placecue_accumulators.neighbours import Neighbours
+from placecue_accumulators.pairwise import belief_propagation
+
+Values = NDArray[np.float64]
+
+
+class RandomField(NodeAccumulator):
+    """Labels of nodes depend on what is seen there, and on those of their neighbours.
+
+    Marginals are exact where the graph is a tree, and by loopy belief propagation otherwise.
+
+    Parameters
+    ----------
+    same : float
+        Logarithm of how much likelier two neighbours are of one class than of two given ones.
+    weights : str or None
+        File of learned weights instead (:func:`~placecue_accumulators.neighbours.learned_field`).
+    rounds : int
+        At most so many rounds of belief propagation, beyond the number of nodes.
+    bin_x, bin_y, bin_theta, accept_confidence, label_probability, sharpness, independent, doubt, \
+    node_spacing, prior_bins
+        As of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
+
+    References
+    ----------
+    Lafferty, McCallum and Pereira, Conditional random fields, ICML 2001; named in Pronobis et al.,
+    IJRR 2010, section 5, as a more advanced way.
+    """
+
+    def __init__(
+        self,
+        same: float = 2.0,
+        weights: str | None = None,
+        rounds: int = 200,
+        bin_x: float = 0.2,
+        bin_y: float = 0.2,
+        bin_theta: float = 0.1,
+        accept_confidence: float = 0.1,
+        label_probability: float = 0.5,
+        sharpness: float | None = None,
+        independent: float = 0.1,
+        doubt: float = 0.02,
+        node_spacing: float = 1.0,
+        prior_bins: float = 20.0,
+    ) -> None:
+        self.same = same
+        self.weights = weights
+        self.rounds = rounds
+        self.bin_x = bin_x
+        self.bin_y = bin_y
+        self.bin_theta = bin_theta
+        self.accept_confidence = accept_confidence
+        self.label_probability = label_probability
+        self.sharpness = sharpness
+        self.independent = independent
+        self.doubt = doubt
+        self.node_spacing = node_spacing
+        self.prior_bins = prior_bins
+
+    def _probabilities(self, likelihoods: Values, edges: Sequence[tuple[int, int]]) -> Values:
+        assert self.judge_ is not None
+        m = likelihoods.shape[1]
+        known = Neighbours(self.judge_.layout.classes, self.same * np.eye(m))
+        if self.weights is not None:
+            known = Neighbours.read(self.weights, known.classes)
+        return belief_propagation(known.seen * likelihoods, known.weights, edges, self.rounds)

@@ -1,0 +1,125 @@
+"""What accumulated scores say: a label by the layout's own rule, and how probable each class is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.distribution import doubted, log_odds, softmax
+from placecue.errors import UsageError
+from placecue.scores import Layout, Probabilities
+from placecue.semantic_map import UNKNOWN
+from placecue_accumulators.histogram import BinSums
+
+Values = NDArray[np.float64]
+
+#: Log odds of one belief by the unit of its scores, where the model has learned none: what a
+#: support vector machine's margins come to.
+USUAL_SHARPNESS = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What accumulated scores say of a place.
+
+    Parameters
+    ----------
+    label : str
+        The class, or ``unknown``.
+    probability : float
+        That it is the right one; 0 where unknown.
+    margin : float
+        Confidence by the layout's own rule, in the unit of the scores; 0 where unknown.
+    probabilities : dict of str to float
+        Of every class; empty where nothing was seen.
+    scores : dict of str to float
+        Mean over bins by column of the layout.
+    """
+
+    label: str = UNKNOWN
+    probability: float = 0.0
+    margin: float = 0.0
+    probabilities: dict[str, float] = field(default_factory=dict)
+    scores: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Turns scores summed over bins into a judgement.
+
+    Parameters
+    ----------
+    layout : Layout
+        What the scores are.
+    sharpness : float
+        Log odds of one belief by the unit of its scores.
+    least_margin : float
+        Less than this confidence, in the unit of the scores, is unknown.
+    least_probability : float
+        So is less than this.
+    independent : float
+        The share of what a bin says that its neighbours have not said already, 0 to 1.
+    doubt : float
+        The share of places at which beliefs may say anything, 0 to 1.
+    most_bins : float
+        More bins make no surer than this many.
+    """
+
+    layout: Layout
+    sharpness: float
+    least_margin: float
+    least_probability: float
+    independent: float
+    doubt: float
+    most_bins: float
+
+    def likelihoods(self, sums: BinSums) -> Values:
+        """Return the log-likelihood of each class, up to a constant, shape (M,)."""
+        if sums.bins <= 0:
+            return np.zeros(len(self.layout.classes))
+        bins = min(sums.bins, self.most_bins)
+        worth = bins if bins <= 1 else 1 + self.independent * (bins - 1)
+        return np.asarray(worth * np.log(self.single(sums.mean())))
+
+    def single(self, values: Values) -> Values:
+        """Return the probability of each class by one belief's scores, shape (M,)."""
+        odds = self.sharpness * log_odds(values[None], self.layout)[0]
+        return doubted(softmax(odds), self.doubt)
+
+    def probabilities(self, sums: BinSums) -> Values:
+        """Return the probability of each class, shape (M,)."""
+        return doubted(softmax(self.likelihoods(sums)), self.doubt)
+
+    def judge(self, sums: BinSums) -> Judgement:
+        """Judge scores of a bin or more."""
+        if sums.bins <= 0:
+            return Judgement()
+        mean = sums.mean()
+        decision = self.layout.decide(mean[None])
+        label, margin = str(decision.labels[0]), float(decision.confidence[0])
+        probabilities = self.probabilities(sums)
+        by_class = dict(zip(self.layout.classes, probabilities.tolist(), strict=True))
+        scores = dict(zip(self.layout.columns, mean.tolist(), strict=True))
+        if margin < self.least_margin or by_class[label] < self.least_probability:
+            return Judgement(probabilities=by_class, scores=scores)
+        return Judgement(label, by_class[label], margin, by_class, scores)
+
+
+def usual_sharpness(layout: Layout) -> float:
+    """Return the sharpness of a model that has learned none: 1 for probabilities."""
+    return 1.0 if isinstance(layout, Probabilities) else USUAL_SHARPNESS
+
+
+def check_same_layout(known: Layout, layout: Layout) -> None:
+    """Raise UsageError if the scores of one pipeline are no longer what they were."""
+    if layout is not known and layout != known:
+        raise UsageError(
+            f"the layout of scores changed from {_described(known)} to {_described(layout)}: an "
+            "accumulator takes the beliefs of one pipeline; reset it before it is given another's"
+        )
+
+
+def _described(layout: Layout) -> str:
+    return f"{layout.name} of {len(layout.classes)} classes ({', '.join(layout.classes)})"

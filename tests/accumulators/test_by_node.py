@@ -1,0 +1,132 @@
+"""The accumulators that label nodes first, on a drive of two rooms with errors."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sklearn.base import clone
+
+from placecue import Observation, Pose2D, Scores, SemanticMap, UsageError
+from placecue.belief import Belief
+from placecue.scores import OneAgainstAll
+from placecue_accumulators.crf import RandomField
+from placecue_accumulators.hmm import HiddenMarkov
+from placecue_accumulators.neighbours import Neighbours
+from placecue_accumulators.relaxation import Relaxation
+
+CLASSES = ("corridor", "kitchen", "office", "printer")
+LAYOUT = OneAgainstAll(CLASSES)
+KINDS = [HiddenMarkov, RandomField, Relaxation]
+
+
+def says(label, margin=0.5):
+    values = [margin if name == label else -margin for name in CLASSES]
+    scores = Scores(np.array([values]), LAYOUT)
+    return Belief(0, scores, label, 2 * margin, {})
+
+
+def drive(accumulator, xs, label_at, start=0, frame="odom"):
+    for i, x in enumerate(xs):
+        pose = Pose2D(float(x), 0.0, 0.0, frame)
+        accumulator.update(Observation(start + i, pose=pose), label_at(x))
+    return accumulator.semantic_map()
+
+
+def two_rooms(x):
+    """An office up to x = 10, then a kitchen; between 4 and 5 the beliefs waver, wrongly."""
+    if 4 < x < 5:
+        return says("printer", 0.1)
+    return says("office" if x < 10 else "kitchen")
+
+
+WAY = np.arange(0, 20, 0.1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_neighbours_mend_an_error_and_two_rooms_stay_two(kind):
+    made = drive(kind(), WAY, two_rooms)
+    assert [area.label for area in made.areas] == ["office", "kitchen"]
+    for node in made.nodes:
+        if not 9 < node.x < 11:  # a node there has seen both
+            assert made.area(node.area).label == ("office" if node.x < 10 else "kitchen")
+    for area in made.areas:
+        assert sum(area.probabilities.values()) == pytest.approx(1)
+        assert area.confidence == area.probabilities[area.label] <= 1
+    assert SemanticMap.from_json(json.loads(json.dumps(made.to_json()))) == made
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_driving_there_and_back_adds_no_nodes(kind):
+    accumulator = kind()
+    once = drive(accumulator, WAY, two_rooms)
+    again = drive(accumulator, WAY[::-1], two_rooms, start=1000)
+    assert len(again.nodes) == len(once.nodes)
+    assert [area.label for area in again.areas] == ["office", "kitchen"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rejected_beliefs_label_nothing(kind):
+    rejected = replace(says("office"), label="unknown")
+    made = drive(kind(), WAY, lambda _: rejected)
+    assert {area.label for area in made.areas} == {"unknown"}
+    assert all(area.confidence == 0 for area in made.areas)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_tie_is_unknown(kind):
+    tie = Scores(np.array([[0.3, -0.5, 0.3, -0.5]]), LAYOUT)
+    made = drive(kind(), WAY, lambda _: Belief(0, tie, "corridor", 0.2, {}))
+    assert {area.label for area in made.areas} == {"unknown"}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_one_observation_and_another_frame(kind):
+    assert kind().semantic_map().areas == ()
+    accumulator = kind()
+    made = drive(accumulator, [0.0], lambda _: says("office", 1.5))
+    assert [(area.label, len(area.trajectory)) for area in made.areas] == [("office", 1)]
+    made = drive(accumulator, WAY, two_rooms, start=10, frame="map")
+    assert {area.frame for area in made.areas} == {"odom", "map"}
+    assert not any((a == 0) != (b == 0) for a, b in made.edges)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_impossible_parameters_are_errors(kind):
+    with pytest.raises(UsageError, match="node_spacing"):
+        kind(node_spacing=0).reset()
+    assert clone(kind(doubt=0.1)).doubt == 0.1
+
+
+def test_the_hmm_holds_no_more_than_its_lag():
+    short, long = HiddenMarkov(lag=20), HiddenMarkov(lag=10_000)
+    for i in range(6):
+        way = WAY if i % 2 == 0 else WAY[::-1]
+        one = drive(short, way, two_rooms, start=1000 * i)
+        other = drive(long, way, two_rooms, start=1000 * i)
+    assert len(short.visits_) <= 20 < len(long.visits_)
+    assert [area.label for area in one.areas] == [area.label for area in other.areas]
+
+
+def test_the_hmm_knows_where_it_is():
+    accumulator = HiddenMarkov()
+    drive(accumulator, WAY[:90], two_rooms)
+    assert CLASSES[accumulator.filtered().argmax()] == "office"
+    drive(accumulator, WAY[90:], two_rooms, start=90)
+    assert CLASSES[accumulator.filtered().argmax()] == "kitchen"
+
+
+def test_learned_transitions_rule_out_what_never_follows(tmp_path):
+    never = np.where(np.eye(4, dtype=bool), 1.0, 0.0)
+    Neighbours(CLASSES, never).write(tmp_path / "t.json")
+    short = WAY[:120]  # of more kitchen nobody could be talked out
+    made = drive(HiddenMarkov(transitions=str(tmp_path / "t.json")), short, two_rooms)
+    assert [area.label for area in made.areas] == ["office"]
+    assert len(drive(HiddenMarkov(), short, two_rooms).areas) == 2
+
+
+def test_learned_weights_of_a_field_are_read(tmp_path):
+    apart = np.where(np.eye(4, dtype=bool), 50.0, 0.0)
+    Neighbours(CLASSES, apart).write(tmp_path / "w.json")
+    made = drive(RandomField(weights=str(tmp_path / "w.json")), WAY, two_rooms)
+    assert len(made.areas) == 1

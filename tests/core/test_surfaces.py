@@ -1,0 +1,153 @@
+"""Free space from scans, and how it is shared out to areas."""
+
+import json
+
+import numpy as np
+import pytest
+
+from placecue import Area, LaserScan, Node, Observation, Pose2D, SemanticMap
+from placecue.free_space import FREE, OCCUPIED, UNSEEN, FreeSpace, Grid
+from placecue.labels.rooms import read_rooms
+from placecue.surfaces import with_surfaces
+
+CLASSES = ("kitchen", "office")
+ANGLES = np.radians(np.arange(-180, 180, 0.5))
+
+
+def box_scan(pose, low=(0.0, 0.0), high=(6.0, 4.0)):
+    """Return what a scanner sees within a rectangular room."""
+    d = np.stack([np.cos(ANGLES + pose.theta), np.sin(ANGLES + pose.theta)])
+    at = np.array([pose.x, pose.y])
+    with np.errstate(divide="ignore"):
+        walls = np.where(
+            d > 0, (np.array(high) - at)[:, None] / d, (np.array(low) - at)[:, None] / d
+        )
+    return LaserScan(ANGLES, walls.min(axis=0), 0.01, 30.0)
+
+
+def seen(*poses):
+    space = FreeSpace()
+    for i, pose in enumerate(poses):
+        space.observe(Observation(i, pose=pose, scan=box_scan(pose)))
+    return space
+
+
+def state(grid, x, y):
+    [(row, column)] = grid.cells_of(np.array([[x, y]]))
+    return grid.states[row, column]
+
+
+def test_a_room_is_free_inside_occupied_at_its_walls_and_unseen_beyond():
+    grid = seen(Pose2D(2, 2, 0.3), Pose2D(4, 2.5, 2.0)).grid()
+    for x, y in ((0.5, 0.5), (5.5, 3.5), (3.0, 2.0), (0.5, 3.5)):
+        assert state(grid, x, y) == FREE
+    assert state(grid, 6.05, 2.0) == OCCUPIED
+    assert state(grid, 6.3, 2.0) == UNSEEN
+    # Beams are followed to a cell before their end: of 20 m of wall 0.1 m may be missing.
+    assert 24 - 2 <= (grid.states == FREE).sum() * grid.cell**2 <= 24
+    assert grid.frame == "odom"
+
+
+def test_who_walked_past_vanishes():
+    space = seen(Pose2D(2, 2, 0))
+    pose = Pose2D(2, 2, 0.5)
+    scan = box_scan(pose)
+    ranges = np.where(np.abs(scan.angles) < 0.1, 1.0, scan.ranges)
+    space.observe(Observation(5, pose=pose, scan=LaserScan(ANGLES, ranges, 0.01, 30.0)))
+    where = 2 + np.cos(0.5) * 1.03, 2 + np.sin(0.5) * 1.03
+    assert state(space.grid(), *where) == OCCUPIED
+    for i in range(1, 5):
+        turned = Pose2D(2, 2, 0.5 + i)
+        space.observe(Observation(5 + i, pose=turned, scan=box_scan(turned)))
+    assert state(space.grid(), *where) == FREE
+
+
+def test_standing_still_and_other_frames_change_nothing():
+    space = seen(Pose2D(2, 2, 0))
+    before = space.grid().states
+    nonsense = LaserScan(ANGLES, np.full(len(ANGLES), 0.5), 0.01, 30.0)
+    for pose in (Pose2D(2.01, 2, 0), Pose2D(4, 2, 0, "map"), Pose2D(np.nan, 0, 0), None):
+        space.observe(Observation(9, pose=pose, scan=nonsense))
+    np.testing.assert_array_equal(space.grid().states, before)
+
+
+def test_without_scans_the_way_is_free():
+    space = FreeSpace()
+    assert space.grid() is None
+    for i, x in enumerate(np.arange(0, 5, 0.1)):
+        space.observe(Observation(i, pose=Pose2D(x, 0, 0)))
+    grid = space.grid()
+    # A stadium of 0.25 m around 4.9 m of way.
+    expected = 4.9 * 0.5 + np.pi * 0.25**2
+    assert (grid.states == FREE).sum() * 0.01 == pytest.approx(expected, rel=0.25)
+    assert not (grid.states == OCCUPIED).any()
+
+
+def two_rooms(door=True):
+    """Two rooms of 3 m by 2 m with a doorway of 1 m between them, and a robot's map of them."""
+    states = np.full((24, 64), UNSEEN)
+    states[2:22, 2:32], states[2:22, 33:63], states[7:17, 32] = FREE, FREE, FREE
+    areas = (
+        Area(
+            0,
+            "office",
+            0.9,
+            probabilities={"office": 0.9, "kitchen": 0.1},
+            trajectory=((1.0, 1.2),),
+        ),
+        Area(
+            1,
+            "kitchen",
+            0.8,
+            probabilities={"office": 0.2, "kitchen": 0.8},
+            trajectory=((3.4, 1.2),),
+        ),
+    )
+    nodes = (Node(0, 1.0, 1.2, 0), Node(1, 3.25, 1.2, 0, True), Node(2, 3.4, 1.2, 1))
+    made = SemanticMap(areas, nodes if door else (nodes[0], nodes[2]), ((0, 2),), CLASSES)
+    return made, Grid(states, 0.1, 0.0, 0.0, "odom")
+
+
+def test_a_door_is_where_rooms_end():
+    made = with_surfaces(*two_rooms())
+    office, kitchen = made.areas
+    assert office.size + kitchen.size == pytest.approx(3 * 2 * 2 + 0.1 * 1.0)
+    assert office.size == pytest.approx(6, abs=0.11)
+    assert made.at(3.1, 0.3).label == "office"
+    assert made.at(3.4, 0.3).label == "kitchen"
+
+
+def test_without_a_door_who_arrives_first_has_it():
+    made = with_surfaces(*two_rooms(door=False))
+    # 1.0 and 3.4 are as far from 2.2; the kitchen has 1.1 m of the first room.
+    assert made.at(2.0, 1.2).label == "office"
+    assert made.at(2.6, 1.2).label == "kitchen"
+    assert made.areas[0].size + made.areas[1].size == pytest.approx(12.1)
+
+
+def test_what_is_too_far_from_all_belongs_to_none():
+    made = with_surfaces(*two_rooms(), reach=0.5)
+    assert 0 < made.areas[0].size < 1.1
+    assert with_surfaces(two_rooms()[0], None) == two_rooms()[0]
+
+
+def test_where_is_answered_beside_the_surfaces_too():
+    made, grid = two_rooms()
+    assert made.at(1.0, 1.9).label == "office"  # no surfaces: the way within a metre
+    assert made.at(1.0, 2.3) is None
+    made = with_surfaces(made, grid)
+    assert made.at(0.3, 2.0).label == "office"
+    assert made.at(50.0, 50.0) is None
+
+
+def test_the_map_with_surfaces_is_plain_data_and_can_be_given_back_as_rooms(tmp_path):
+    made = with_surfaces(*two_rooms())
+    assert SemanticMap.from_json(json.loads(json.dumps(made.to_json()))) == made
+    collection = made.to_geojson()
+    ids = [feature["id"] for feature in collection["features"]]
+    assert len(set(ids)) == len(ids)
+    assert (collection["frame"], collection["units"]) == ("odom", "m")
+    (tmp_path / "rooms.geojson").write_text(json.dumps(collection))
+    rooms = read_rooms(tmp_path / "rooms.geojson")
+    assert rooms.classes == CLASSES
+    assert (rooms.at(0.5, 0.5), rooms.at(5.5, 0.5), rooms.at(9, 9)) == ("office", "kitchen", None)

@@ -51,7 +51,7 @@ def no_picture(observation: Observation) -> Observation:
 SPOIL = [
     (no_beams, "laser_model", LASER, "the laser scan is empty (0 beams)"),
     (all_nan, "laser_model", LASER, "none of the 61 beams of the laser scan is valid (all NaN"),
-    (no_picture, "model", CRFH, "does not decode (26 bytes said to be png)"),
+    (no_picture, "model", CRFH, "does not decode (26 bytes)"),
 ]
 
 

@@ -27,7 +27,7 @@ FILES = {"arrays.npz", "config.yaml", "manifest.json", "report.html", "state.jso
 def trained(out: Path, *words: str) -> tuple[Pipeline, dict[str, Any]]:
     """Train, and return the model read back with its manifest."""
     told = succeeds("train", *words, f"out={out}")
-    assert f"next: placecue classify model={out} log=FILE" in told.out
+    assert f"next: placecue classify {out} LOG" in told.out
     assert {path.name for path in out.iterdir()} - {"search"} == FILES
     manifest = json.loads((out / "manifest.json").read_text())
     return load_model(out, REGISTRY), manifest

@@ -34,7 +34,7 @@ def shown_rows(told: Told) -> Iterator[list[str]]:
     lines = told.out.splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith("classifier"))
     for line in lines[start:]:
-        if line.startswith(("parameter searches", "unknown")):
+        if line.startswith(("parameter searches", "unknown", "note: ")):
             return
         yield line.split()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import defaultdict
 from dataclasses import dataclass
 from math import hypot, isfinite, pi
@@ -17,10 +18,15 @@ from placecue.observation import LaserScan, Observation, Pose2D
 TILE = 64
 #: What a beam that went through a cell, and one that ended there, add to it; and the limits.
 THROUGH, ENDED, LIMIT = -1, 3, 60
+#: Cells that a grid may have: 300 m by 300 m of 0.1 m. A pose far away would make it as large as
+#: one likes.
+MOST = 9_000_000
 #: What is known of a cell.
 FREE, OCCUPIED, UNSEEN = np.uint8(0), np.uint8(1), np.uint8(2)
 
 Cells = NDArray[np.int64]
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +121,18 @@ class FreeSpace:
         """Return what is known so far; None where nothing is."""
         if not self._tiles:
             return None
-        keys = np.array(sorted(self._tiles))
+        kept = _together(sorted(self._tiles))
+        if lost := len(self._tiles) - len(kept):
+            log.warning(
+                f"{lost} of {len(self._tiles)} pieces of free space lie so far from the others "
+                "that no map holds both: rooms there have no surface"
+            )
+        keys = np.array(kept)
         low, high = keys.min(axis=0), keys.max(axis=0) + 1
         columns, rows = (high - low) * TILE
         values = np.zeros((rows, columns), np.int8)
-        for (i, j), tile in self._tiles.items():
+        for i, j in kept:
+            tile = self._tiles[i, j]
             at = (j - low[1]) * TILE, (i - low[0]) * TILE
             values[at[0] : at[0] + TILE, at[1] : at[1] + TILE] = tile
         states = np.where(values < 0, FREE, np.where(values > 0, OCCUPIED, UNSEEN))
@@ -175,3 +188,35 @@ class FreeSpace:
             columns, rows = (cells[of.ravel() == number] % TILE).T
             parts.append((self._tiles[i, j], rows, columns))
         return parts
+
+
+def _together(tiles: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the tiles that one grid can hold: clusters of them, the largest first."""
+    if _size(tiles) <= MOST:
+        return tiles
+    kept: list[tuple[int, int]] = []
+    for cluster in sorted(_clusters(tiles), key=len, reverse=True):
+        if _size(kept + cluster) <= MOST:
+            kept += cluster
+    return sorted(kept or tiles[:1])
+
+
+def _size(tiles: list[tuple[int, int]]) -> int:
+    """Return how many cells the rectangle around some tiles has."""
+    columns, rows = np.ptp(np.array(tiles), axis=0) + 1
+    return int(columns) * int(rows) * TILE * TILE
+
+
+def _clusters(tiles: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
+    """Return tiles in groups that hang together, side by side or corner to corner."""
+    left, found = set(tiles), []
+    while left:
+        waiting, cluster = [left.pop()], []
+        while waiting:
+            i, j = waiting.pop()
+            cluster.append((i, j))
+            near = {(i + a, j + b) for a in (-1, 0, 1) for b in (-1, 0, 1)} & left
+            left -= near
+            waiting += near
+        found.append(cluster)
+    return found

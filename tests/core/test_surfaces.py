@@ -151,3 +151,26 @@ def test_the_map_with_surfaces_is_plain_data_and_can_be_given_back_as_rooms(tmp_
     rooms = read_rooms(tmp_path / "rooms.geojson")
     assert rooms.classes == CLASSES
     assert (rooms.at(0.5, 0.5), rooms.at(5.5, 0.5), rooms.at(9, 9)) == ("office", "kitchen", None)
+
+
+def test_a_pose_far_away_makes_no_huge_grid(caplog):
+    space = FreeSpace()
+    for x in (0.0, 1.0, 2.0, 1000.0, 3.0):
+        scan = LaserScan(np.linspace(-1.5, 1.5, 31), np.full(31, 2.0), 0.0, 10.0)
+        space.observe(Observation(int(x * 1e9), scan=scan, pose=Pose2D(x, x, 0.0)))
+    grid = space.grid()
+    assert grid is not None
+    assert grid.states.size < 100_000
+    assert len(grid.cells_of(np.array([[1.0, 1.0]])))
+    assert not len(grid.cells_of(np.array([[1000.0, 1000.0]])))
+    assert "lie so far from the others" in caplog.text
+
+
+def test_a_large_building_is_whole():
+    space = FreeSpace()
+    for x in np.arange(0.0, 250.0, 5.0):
+        space.observe(Observation(int(x * 1e9), pose=Pose2D(float(x), 0.0, 0.0)))
+    grid = space.grid()
+    assert grid is not None
+    ends = np.array([[0.0, 0.0], [245.0, 0.0]])
+    assert len(grid.cells_of(ends)) == 2

@@ -45,7 +45,7 @@ class Doubts:
         if self.jumps:
             told.append(
                 f"the pose jumped {self.jumps} times: the map is broken off there, and smeared if "
-                "the odometry began anew; poses of SLAM (log.pose_frame=map) do not"
+                "the odometry began anew; poses of SLAM (source.pose_frame=map) do not"
             )
         if self.frames:
             told.append(

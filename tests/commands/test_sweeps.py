@@ -76,10 +76,10 @@ def test_a_wrong_value_among_them(tmp_path: Path, log_a: Path) -> None:
     told = placecue("train", "-m", "cue=laser,lasr", "integrator=none", f"log={log_a}")
     assert told.status == 2
     assert "unknown cue 'lasr'; did you mean 'laser'?" in told.line
-    told = placecue("classify", "-m", f"log={log_a},{log_a}", f"out={tmp_path}/out")
-    assert told.status == 2
+    told = placecue("label", "-m", f"log={log_a}", "model=nowhere,there", f"out={tmp_path}/out")
+    assert told.status == 1
     assert told.line.startswith("2 of 2 jobs failed")
-    assert "classify needs model=" in told.line
+    assert "there" in told.line
 
 
 def test_one_out_for_all_is_numbered(tmp_path: Path, log_a: Path) -> None:

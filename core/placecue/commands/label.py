@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -42,12 +43,13 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         The balanced accuracy, where the log is labelled.
     """
     out, tally = path_of(config, "out"), Tally()
-    as_json.wanted(config)  # wrong words are told before the run, not after it
-    semantic_map = label(config, out, tally)
+    notes: list[str] = []
+    in_json = as_json.wanted(config)
+    semantic_map = label(config, out, tally, notes.append if in_json else print)
     files_written = [*results(out, bool(tally.counts)), *reporting.written(config, out)]
-    if as_json.wanted(config):
+    if in_json:
         scores = tally.to_json() if tally.counts else None
-        told = {"map": semantic_map.to_json(), "scores": scores}
+        told = {"map": semantic_map.to_json(), "scores": scores, "notes": notes}
         as_json.tell({**told, "files": as_json.paths(files_written)})
     else:
         _print(semantic_map, tally, files_written)
@@ -63,8 +65,13 @@ def _print(semantic_map: SemanticMap, tally: Tally, files_written: list[tuple[st
     tables.written(files_written)
 
 
-def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
-    """Run a model over a log and write everything that comes of it into ``out``."""
+def label(
+    config: dict[str, Any], out: Path, tally: Tally, tell: Callable[[str], None] = print
+) -> SemanticMap:
+    """Run a model over a log and write everything that comes of it into ``out``.
+
+    ``tell`` takes what speaks against the map.
+    """
     plugins = current_plugins()
     pipeline, log = model_and_log(config, plugins, ("scan", "pose", "label"))
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
@@ -109,7 +116,7 @@ def label(config: dict[str, Any], out: Path, tally: Tally) -> SemanticMap:
         f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE
     ))  # fmt: skip
     for doubt in doubts:
-        print(f"note: {doubt}")
+        tell(f"note: {doubt}")
     return semantic_map
 
 

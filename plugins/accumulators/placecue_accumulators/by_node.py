@@ -18,7 +18,7 @@ from placecue_accumulators.areas import Way
 from placecue_accumulators.doubts import Doubts
 from placecue_accumulators.graph import NavigationGraph, Step
 from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
-from placecue_accumulators.judging import Judge, check_same_layout, usual_sharpness
+from placecue_accumulators.judging import Judge, check_judging, judge_for
 from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Odometer, is_pose
 
@@ -249,30 +249,14 @@ class NodeAccumulator(Accumulator):
         return sure and bool(np.isfinite(belief.scores.values).all())
 
     def _judge_of(self, belief: Belief) -> Judge:
-        layout = belief.scores.layout
-        if self.judge_ is None:
-            sharpness = usual_sharpness(layout) if self.sharpness is None else self.sharpness
-            self.judge_ = Judge(
-                layout=layout,
-                sharpness=sharpness,
-                least_margin=0.0,
-                least_probability=self.label_probability,
-                independent=self.independent,
-                doubt=self.doubt,
-                most_bins=self.prior_bins,
-            )
-        check_same_layout(self.judge_.layout, layout)
+        self.judge_ = judge_for(self, belief.scores.layout, 0.0)
         return self.judge_
 
     def check_parameters(self) -> None:
         """Raise UsageError if a size is not positive or a share not between 0 and 1."""
         for name in ("bin_x", "bin_y", "bin_theta", "node_spacing", "prior_bins"):
             check_number(name, getattr(self, name), above=0)
-        for name in ("label_probability", "doubt"):
-            check_number(name, getattr(self, name), least=0, below=1)
-        check_number("independent", self.independent, least=0, most=1)
-        if self.sharpness is not None:
-            check_number("sharpness", self.sharpness, above=0)
+        check_judging(self)
         for name in ("rounds", "lag"):
             if hasattr(self, name):
                 check_whole(name, getattr(self, name), least=1)

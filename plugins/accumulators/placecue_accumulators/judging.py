@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.checks import check_number
 from placecue.distribution import doubted, log_odds, softmax
 from placecue.errors import UsageError
 from placecue.scores import Layout, Probabilities
@@ -105,6 +107,50 @@ class Judge:
         if margin < self.least_margin or by_class[label] < self.least_probability:
             return Judgement(probabilities=by_class, scores=scores)
         return Judgement(label, by_class[label], margin, by_class, scores)
+
+
+class Judging(Protocol):
+    """An accumulator that judges what it has gathered."""
+
+    label_probability: float
+    sharpness: float | None
+    independent: float
+    doubt: float
+    prior_bins: float
+    judge_: Judge | None
+
+
+def judge_for(owner: Judging, layout: Layout, least_margin: float) -> Judge:
+    """Return the judge of an accumulator's scores; the first of them tell what they are.
+
+    Raises
+    ------
+    UsageError
+        If these are of another layout than those before.
+    """
+    known = owner.judge_
+    if known is None:
+        sharpness = usual_sharpness(layout) if owner.sharpness is None else owner.sharpness
+        return Judge(
+            layout=layout,
+            sharpness=sharpness,
+            least_margin=least_margin,
+            least_probability=owner.label_probability,
+            independent=owner.independent,
+            doubt=owner.doubt,
+            most_bins=owner.prior_bins,
+        )
+    check_same_layout(known.layout, layout)
+    return known
+
+
+def check_judging(owner: Judging) -> None:
+    """Raise UsageError if a share of an accumulator is not between 0 and 1, or it is not sharp."""
+    for name in ("label_probability", "doubt"):
+        check_number(name, getattr(owner, name), least=0, below=1)
+    check_number("independent", owner.independent, least=0, most=1)
+    if owner.sharpness is not None:
+        check_number("sharpness", owner.sharpness, above=0)
 
 
 def usual_sharpness(layout: Layout) -> float:

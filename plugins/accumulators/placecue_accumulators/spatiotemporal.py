@@ -16,7 +16,7 @@ from placecue_accumulators.door import Door
 from placecue_accumulators.doubts import Doubts
 from placecue_accumulators.graph import NavigationGraph, Step
 from placecue_accumulators.histogram import BinSums, Key, ViewpointHistogram, bin_of
-from placecue_accumulators.judging import Judge, Judgement, check_same_layout, usual_sharpness
+from placecue_accumulators.judging import Judge, Judgement, check_judging, judge_for
 from placecue_accumulators.same_label import MERGES, Merge, merge_same_label
 from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Moment, Odometer, Recent, is_pose
@@ -473,19 +473,7 @@ class SpatioTemporal(Accumulator):
 
     def _judge_of(self, belief: Belief) -> Judge:
         """Return the judge of scores; the first belief tells what they are."""
-        layout = belief.scores.layout
-        if self.judge_ is None:
-            sharpness = usual_sharpness(layout) if self.sharpness is None else self.sharpness
-            self.judge_ = Judge(
-                layout=layout,
-                sharpness=sharpness,
-                least_margin=self.label_confidence,
-                least_probability=self.label_probability,
-                independent=self.independent,
-                doubt=self.doubt,
-                most_bins=self.prior_bins,
-            )
-        check_same_layout(self.judge_.layout, layout)
+        self.judge_ = judge_for(self, belief.scores.layout, self.label_confidence)
         return self.judge_
 
     def check_parameters(self) -> None:
@@ -494,11 +482,7 @@ class SpatioTemporal(Accumulator):
             check_number(name, getattr(self, name), above=0)
         for name in ("gateway_spacing", "prior_bins"):
             check_number(name, getattr(self, name), least=0)
-        for name in ("label_probability", "doubt"):
-            check_number(name, getattr(self, name), least=0, below=1)
-        check_number("independent", self.independent, least=0, most=1)
-        if self.sharpness is not None:
-            check_number("sharpness", self.sharpness, above=0)
+        check_judging(self)
         if self.forget_after is not None:
             check_whole("forget_after", self.forget_after, least=0)
         check_choice("merge", self.merge, MERGES)

@@ -230,13 +230,13 @@ class Evaluation:
 
     def _single_cues(self, executor: Runs, told: _Told) -> None:
         began = perf_counter()
-        tasks = list(self.plan.single_cue_tasks())
-        todo = [t for t in tasks if any(d not in self.scores for d in t.digests.values())]
-        failed = {id(task) for task in todo}
-        for task in tasks:
-            if id(task) not in failed:
+        lacking = []
+        for task in self.plan.single_cue_tasks():
+            if all(digest in self.scores for digest in task.digests.values()):
                 told.of_scores(task, {})
-        for outcome in executor.map(train_and_score, todo):
+            else:
+                lacking.append(task)
+        for outcome in executor.map(train_and_score, lacking):
             wrong = outcome.value or {}
             if outcome.error is not None:
                 wrong = dict.fromkeys(outcome.task.digests, str(outcome.error))

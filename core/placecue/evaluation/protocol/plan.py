@@ -84,6 +84,9 @@ class Plan:
         self.contents, self.registry, self.wants_costs = digests, registry, wants_costs
         self.pairs = [split.pair for split in splits]
         self._versions: dict[str, list[Any]] = {}
+        #: Digests of models, which those of all that they say and of all that joins them hold.
+        self._of_models: dict[tuple[Trained, str], str] = {}
+        self._of_scores: dict[tuple[Trained, str, Part | str], str] = {}
 
     @cached_property
     def tests(self) -> dict[Trained, list[Part]]:
@@ -102,23 +105,27 @@ class Plan:
 
     def model_digest(self, trained: Trained, model: SingleCue) -> str:
         """Return the digest of all that decides a single-cue model."""
-        world, parts = trained
-        chosen_on = self.chosen_on(trained)
-        return digest_of(
-            __version__,
-            [self.part_digest(world, part) for part in parts],
-            None if chosen_on is None else self.part_digest(world, chosen_on),
-            [model.cue, model.classifier, self._of_spec(model.cue, "cue")],
-            self._of_spec(model.classifier, "classifier"),
-            [self.bench.folds, self.bench.skip],
-        )
+        if (trained, model.name) not in self._of_models:
+            world, parts = trained
+            chosen_on = self.chosen_on(trained)
+            self._of_models[trained, model.name] = digest_of(
+                __version__,
+                [self.part_digest(world, part) for part in parts],
+                None if chosen_on is None else self.part_digest(world, chosen_on),
+                [model.cue, model.classifier, self._of_spec(model.cue, "cue")],
+                self._of_spec(model.classifier, "classifier"),
+                [self.bench.folds, self.bench.skip],
+            )
+        return self._of_models[trained, model.name]
 
     def scores_digest(self, trained: Trained, model: str, test: Part | str) -> str:
         """Return the digest of what a model says of a part, or of its held-out samples."""
-        of_test = test if isinstance(test, str) else self.part_digest(trained[0], test)
-        # What cues cost is measured beside them where it is wanted.
-        costs = self.wants_costs
-        return digest_of(self.model_digest(trained, self.methods.models[model]), of_test, costs)
+        if (trained, model, test) not in self._of_scores:
+            of_test = test if isinstance(test, str) else self.part_digest(trained[0], test)
+            of_model = self.model_digest(trained, self.methods.models[model])
+            # What cues cost is measured beside them where it is wanted.
+            self._of_scores[trained, model, test] = digest_of(of_model, of_test, self.wants_costs)
+        return self._of_scores[trained, model, test]
 
     def result_digest(self, split: Split, method: str) -> str:
         """Return the digest of all that decides the result of a pair."""

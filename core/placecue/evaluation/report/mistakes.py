@@ -10,8 +10,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.evaluation.report.figure import data_uri
-from placecue.evaluation.report.scan_drawing import Drawing, draw_scan
+from placecue.evaluation.report.pictured import Pictured
 from placecue.evaluation.report.wrong_decisions import WrongDecisions
 from placecue.evaluation.results.about import About, Method
 from placecue.evaluation.results.result import Pair, Result
@@ -60,7 +59,7 @@ class Scored(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Mistake:
+class Mistake(Pictured):
     """A sample that was taken for another class.
 
     Parameters
@@ -114,16 +113,6 @@ class Mistake:
     def seconds(self) -> str:
         """The stamp, s."""
         return f"{self.stamp // 10**9}.{self.stamp % 10**9:09d}"[:-6]
-
-    @property
-    def source(self) -> str:
-        """The picture as a data URI."""
-        return data_uri(self.image, "jpeg")
-
-    @property
-    def drawing(self) -> Drawing | None:
-        """The scan from above; None where there is none."""
-        return None if self.scan is None or not len(self.scan) else draw_scan(self.scan)
 
     @property
     def size(self) -> int:

@@ -9,12 +9,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue.evaluation.report.figure import data_uri
-from placecue.evaluation.report.scan_drawing import Drawing, draw_scan
+from placecue.evaluation.report.pictured import Pictured
 
 
 @dataclass(frozen=True)
-class Moment:
+class Moment(Pictured):
     """A moment of a log.
 
     Parameters
@@ -47,16 +46,6 @@ class Moment:
     def seconds(self) -> str:
         """The stamp, s."""
         return f"{self.stamp // 10**9}.{self.stamp % 10**9:09d}"
-
-    @property
-    def source(self) -> str:
-        """The picture as a data URI."""
-        return data_uri(self.image, "jpeg")
-
-    @property
-    def drawing(self) -> Drawing | None:
-        """The scan from above."""
-        return None if self.scan is None or not len(self.scan) else draw_scan(self.scan)
 
 
 @dataclass(frozen=True)

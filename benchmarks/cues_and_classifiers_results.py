@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scene_bootstrap import SceneBootstrap
 from sklearn.metrics import recall_score
+
+from placecue.evaluation.group_bootstrap import GroupBootstrap
 
 
 class Cell(NamedTuple):
@@ -83,7 +84,7 @@ def standard_error(folds: list[dict[str, Any]]) -> float:
     scenes = [scene for fold in folds for scene in fold.get("scenes", [None])]
     if None not in scenes:
         truth, predicted = ([each for f in folds for each in f[n]] for n in ("truth", "predicted"))
-        return SceneBootstrap(truth, scenes, draws=1000).error(predicted)
+        return GroupBootstrap(truth, scenes, draws=1000).error(predicted)
     each = recalls(folds).values()
     return 100 * float(np.sqrt(sum(r * (1 - r) / n for r, n in each)) / len(each))
 

@@ -10,9 +10,9 @@ import numpy as np
 from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS, NETWORKS, SHOWN_DARK
 from matplotlib.figure import Figure
 from nyu_frames import ROOMS
-from scene_bootstrap import SceneBootstrap
 from tables import put, table
 
+from placecue.evaluation.group_bootstrap import GroupBootstrap
 from placecue.evaluation.pictures import save_picture
 
 PAGE = Path(__file__).parents[1] / "docs" / "deep.md"
@@ -48,7 +48,7 @@ def _accuracy(truth: Any, decided: Any) -> float:
     return float(100 * np.mean([(decided[truth == c] == c).mean() for c in np.unique(truth)]))
 
 
-def _shown(draws: SceneBootstrap, decided: Any) -> str:
+def _shown(draws: GroupBootstrap, decided: Any) -> str:
     low, high = draws.interval(decided)
     return f"{_accuracy(draws.truth, decided):.1f} [{low:.0f}, {high:.0f}]"
 
@@ -61,7 +61,7 @@ def _trained(found: dict[str, Found]) -> str:
             if method not in of:
                 cells += ["", ""]
                 continue
-            draws = SceneBootstrap(of["truth"], of["scenes"])
+            draws = GroupBootstrap(of["truth"], of["scenes"])
             low, high = draws.difference(of[method], of[BASE])
             gain = _accuracy(of["truth"], of[method]) - _accuracy(of["truth"], of[BASE])
             cells.append(_shown(draws, of[method]))
@@ -79,7 +79,7 @@ def _networks(folder: Path) -> str:
         cells = []
         for rooms in ROOMS:
             parts = of[rooms]
-            draws = SceneBootstrap(np.array(parts["truth"]), np.array(parts["scenes"]))
+            draws = GroupBootstrap(np.array(parts["truth"]), np.array(parts["scenes"]))
             cells.append(_shown(draws, np.array(parts["decided"])))
         rows.append([name, *cells, f"{of['ms']:.0f}"])
     return table(["", *(f"{rooms} rooms" for rooms in ROOMS), "ms a frame"], rows)
@@ -93,7 +93,7 @@ def _untrained(found: dict[str, Found]) -> str:
             f"{place} {100 * (decided[truth == place] == place).mean():.0f}"
             for place in np.unique(truth)
         )
-        draws = SceneBootstrap(truth, np.array(of["scenes"]))
+        draws = GroupBootstrap(truth, np.array(of["scenes"]))
         rows.append([name, str(len(truth)), _shown(draws, decided), recalls])
     return table(["places", "frames", "balanced accuracy", "of each place"], rows)
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from integration_methods import JOINT, METHODS, SETS, decide
 from integration_tests import TESTS
-from scene_bootstrap import SceneBootstrap
 
 PAGE = Path(__file__).parents[1] / "docs" / "integration.md"
 BASE = "best cue"
@@ -53,7 +52,7 @@ def _cell(folder: Path, test: str, cues: Sequence[str], method: str) -> str:
     if not found:
         return ""
     truth, scenes, decided = found
-    draws = SceneBootstrap(truth, scenes, draws=2000)
+    draws = GroupBootstrap(truth, scenes, draws=2000)
     low, high = draws.interval(decided)
     mean = 100 * np.mean([(decided[truth == name] == name).mean() for name in np.unique(truth)])
     base = _found(folder, test, cues, BASE)

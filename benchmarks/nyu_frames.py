@@ -6,7 +6,7 @@
 
 What is trained cuts its own folds (searches, integrator, "unknown") at scenes too, as long as its
 ``folds`` is :class:`placecue.Scenes`. ``fold.held_out.labels`` and ``.scenes`` of all folds
-together are what :class:`scene_bootstrap.SceneBootstrap` takes.
+together are what :class:`placecue.evaluation.group_bootstrap.GroupBootstrap` takes.
 """
 
 from __future__ import annotations

@@ -39,6 +39,10 @@ class Counts:
 
     totals: dict[str, int] = field(default_factory=dict)
     done_: list[tuple[str, bool]] = field(default_factory=list)
+    steps: list[tuple[str, int, int]] = field(default_factory=list)
+
+    def step(self, name: str, done: int = 0, total: int = 0) -> None:
+        self.steps.append((name, done, total))
 
     def add(self, experiment: str, total: int, done: int = 0) -> None:
         self.totals[experiment] = total - done

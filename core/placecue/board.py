@@ -64,6 +64,16 @@ class Board:
         self._began = self._last = clock()
         self._lock = threading.Lock()
         self.rows: dict[str, Row] = {}
+        self._step = ""
+
+    def step(self, name: str, done: int = 0, total: int = 0) -> None:
+        """Say what comes before the pairs, such as recording logs, and how many are done.
+
+        The empty name: nothing does any more.
+        """
+        with self._lock:
+            self._step = name and (f"{name} {done} of {total}" if total else name)
+            self._last = self._clock()
 
     def add(self, experiment: str, total: int, done: int = 0) -> None:
         """Put up an experiment; ``done`` of its pairs are there from an earlier run."""
@@ -103,10 +113,14 @@ class Board:
 
     def line(self) -> str:
         """Return where it stands, in one line."""
-        left = self.left()
-        rows = [f"{name} {_count(row)}" for name, row in self.rows.items()]
+        left = self.left() if self.rows and not self._step else None
+        rows = (
+            [self._step]
+            if self._step
+            else [f"{name} {_count(row)}" for name, row in self.rows.items()]
+        )
         foretold = "" if left is None else f", about {duration(left)} left"
-        return f"{', '.join(rows)} ({duration(self.elapsed)}{foretold})"
+        return f"{', '.join(rows) or 'preparing'} ({duration(self.elapsed)}{foretold})"
 
     def table(self) -> Table:
         """Return where it stands as a table for a terminal."""
@@ -124,8 +138,8 @@ class Board:
             table.add_row("all", *_cells(done, total, failed, self.left()))
         return table
 
-    def __rich__(self) -> Table:
-        return self.table()
+    def __rich__(self) -> Table | str:
+        return self.table() if self.rows and not self._step else self.line()
 
 
 def _span(row: Row, otherwise: float) -> float:

@@ -85,6 +85,22 @@ def test_a_board_by_hand() -> None:
     assert board.left() == pytest.approx(20)
 
 
+def test_a_board_before_its_pairs() -> None:
+    clock = Clock()
+    board = Board(clock)
+    assert board.line() == "preparing (0 s)"
+    board.step("recordings made", 3, 12)
+    board.add("Exp 1", 3, done=1)
+    clock.now += 20
+    assert board.line() == "recordings made 3 of 12 (20 s)"
+    board.step("")
+    clock.now += 4
+    board.done("Exp 1")
+    # What went before the pairs is no measure of them.
+    assert board.rows["Exp 1"].spans == [4]
+    assert board.line() == "Exp 1 2 of 3 (24 s)"
+
+
 def test_a_board_that_is_full() -> None:
     board = Board(Clock())
     board.add("Exp 1", 1)

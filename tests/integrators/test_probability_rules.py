@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
+from scipy.special import log_softmax, softmax
 from sklearn.ensemble import VotingClassifier
 
 from peers import Columns, side_by_side
-from placecue import OneAgainstAll, Probabilities, Scores, StoredEvidence, UsageError
+from placecue import DataError, OneAgainstAll, Probabilities, Scores, StoredEvidence, UsageError
 from placecue_integrators.probability_rules import (
     MaxProbability,
     MeanProbability,
@@ -138,11 +140,57 @@ def test_other_scores_are_refused_and_the_words_that_help_are_named(
     )
     said = (
         r"^cue 'crfh' gives one_against_all scores, and this integrator joins probabilities: set "
-        r"cues\.crfh\.classifier\.probability=sigmoid for an SVM, "
+        r"integrator\.calibrate=true, or cues\.crfh\.classifier\.probability=sigmoid for an SVM, "
         r"cues\.crfh\.classifier\.output=probability for AdaBoost, or [^\n]*integrator=vote$"
     )
     with pytest.raises(UsageError, match=said):
         rule().fit(mixed, CLASSES)
+
+
+MARGINS = np.random.default_rng(1).normal(size=(200, 4))
+
+
+def logistic(values: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """A slope and a bias a class, by log loss with classes of equal weight, as scipy finds them."""
+    evidence = values - values.mean(axis=1, keepdims=True)
+    evidence /= np.sqrt((evidence**2).mean())
+    weights = 1 / np.bincount(truth)[truth] / 4 * len(truth)
+
+    def loss(x: np.ndarray) -> float:
+        logs = log_softmax(x[0] * evidence + x[1:], axis=1)
+        return float(-weights @ logs[np.arange(len(truth)), truth] + x @ x / 2)
+
+    found = minimize(loss, np.zeros(5), tol=1e-10)
+    return np.asarray(softmax(found.x[0] * evidence + found.x[1:], axis=1))
+
+
+def test_other_scores_are_calibrated_where_asked() -> None:
+    truth = (2 * MARGINS + np.random.default_rng(2).normal(size=(200, 4))).argmax(axis=1)
+    given = np.random.default_rng(3).dirichlet([1.0] * 4, size=200)
+    margins = np.where(np.arange(200)[:, None] % 5 == 0, np.nan, 10 * MARGINS)
+    evidence = StoredEvidence(
+        {"laser": Scores(given, LAYOUT), "crfh": Scores(margins, OneAgainstAll(CLASSES))}
+    )
+    rule = ProductProbability(calibrate=True)
+    found = rule.fit(evidence, np.array(CLASSES)[truth]).integrate(evidence).values
+    there = np.arange(200) % 5 != 0
+    product = given[there] * logistic(margins[there], truth[there])
+    assert found[there] == pytest.approx(product / product.sum(axis=1, keepdims=True), abs=1e-4)
+    assert found[~there] == pytest.approx(given[~there])  # the cue is missing
+    assert rule.summary() == "calibrated: crfh"
+
+
+def test_a_cue_without_held_out_scores_cannot_be_calibrated() -> None:
+    evidence = StoredEvidence(
+        {
+            "laser": Scores(np.eye(4), LAYOUT),
+            "crfh": Scores(np.full((4, 4), np.nan), OneAgainstAll(CLASSES)),
+        }
+    )
+    with pytest.raises(
+        DataError, match=r"^the scores of cue 'crfh' cannot be calibrated: of the 0"
+    ):
+        MeanProbability(calibrate=True).fit(evidence, CLASSES)
 
 
 def test_unknown_priors_are_refused() -> None:

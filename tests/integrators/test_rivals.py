@@ -46,9 +46,9 @@ REGRESSION = {"plugin": "sklearn", "estimator": "sklearn.linear_model.LogisticRe
 #: As a config has them.
 RIVALS: dict[str, dict[str, Any]] = {
     "vote": {"weights": {"beams": 0.5}},
-    "mean_probability": {},
-    "product_probability": {"priors": "training"},
-    "max_probability": {},
+    "mean_probability": {"calibrate": False, "penalty": 0.5},
+    "product_probability": {"priors": "training", "calibrate": True, "penalty": 1.0},
+    "max_probability": {"calibrate": True, "penalty": 1.0},
     "stacking": {"classifier": REGRESSION},
     "dynamic": {"penalty": 0.5, "per_sample": True},
 }

@@ -112,7 +112,7 @@ def evaluate(
     warnings = _Warnings()
     board = Board()
     with warnings.kept(), shown_board(board), executor_of(config) as executor:
-        run.prepare(executor)
+        run.prepare(executor, board)
         about = _about(config, run, plugins, began)
         check_figures(about)
         run.compute(executor, board, tell)

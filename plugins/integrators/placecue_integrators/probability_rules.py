@@ -7,8 +7,18 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from placecue import Evidence, Probabilities, Scores, UsageError, check_choice
+from placecue import (
+    DataError,
+    Evidence,
+    Probabilities,
+    Scores,
+    UsageError,
+    check_choice,
+    check_flag,
+    check_number,
+)
 from placecue_integrators.agreement import common_classes
+from placecue_integrators.calibrated import Calibration, class_evidence
 from placecue_integrators.fixed_rule import FixedRule, told
 
 Matrix = NDArray[np.float64]
@@ -19,16 +29,43 @@ PRIORS = ("equal", "training")
 class ProbabilityRule(FixedRule):
     """A rule over the probabilities of the cues that are there; its rows sum to one.
 
+    Parameters
+    ----------
+    calibrate : bool
+        Whether cues with other scores than probabilities are taken too: their scores become
+        probabilities by what is learned from the samples that the rule is fitted on
+        (:class:`placecue_integrators.calibrated.Calibration`). False: they are refused.
+    penalty : float
+        Draws slope and biases of the calibration to 0, as a normal prior of variance
+        1 / ``penalty`` on standardised scores would; above 0.
+
+    Attributes
+    ----------
+    calibrated_ : list of str
+        The k cues whose scores are calibrated, in the order of what follows.
+    slopes_, scales_ : ndarray of float64, shape (k,)
+        Of each cue's calibration.
+    biases_ : ndarray of float64, shape (k, M)
+        The same.
+
     References
     ----------
     Kittler, Hatef, Duin and Matas, On combining classifiers, PAMI 20(3), 1998, sections 2 and 3.
     """
 
+    def __init__(self, calibrate: bool = False, penalty: float = 1.0) -> None:
+        self.calibrate = calibrate
+        self.penalty = penalty
+
+    def check_parameters(self) -> None:  # noqa: D102
+        check_flag("calibrate", self.calibrate)
+        check_number("penalty", self.penalty, above=0, below=np.inf)
+
     def integrate(self, evidence: Evidence) -> Scores:
         """Return the probabilities of n observations, shape (n, M)."""
         here = self._here(evidence)
         layout = Probabilities(common_classes(evidence, here))
-        each = np.stack([evidence.scores(cue).values for cue in here])
+        each = np.stack([self._probabilities(cue, evidence.scores(cue)) for cue in here])
         there = np.asarray(~np.isnan(each).any(axis=2))
         joined = self._joined(np.where(there[:, :, None], each, 0).clip(0), there)
         total = joined.sum(axis=1, keepdims=True)
@@ -49,15 +86,59 @@ class ProbabilityRule(FixedRule):
         """
 
     def _learn(self, evidence: Evidence, codes: NDArray[np.int64]) -> None:
-        for cue in self.cues_:
-            layout = evidence.layout(cue)
-            if not isinstance(layout, Probabilities):
-                raise UsageError(
-                    f"cue '{cue}' gives {layout.name} scores, and this integrator joins "
-                    f"probabilities: set cues.{cue}.classifier.probability=sigmoid for an SVM, "
-                    f"cues.{cue}.classifier.output=probability for AdaBoost, or choose an "
-                    "integrator that takes any scores, such as integrator=vote"
-                )
+        self.calibrated_ = [
+            cue for cue in self.cues_ if not isinstance(evidence.layout(cue), Probabilities)
+        ]
+        if self.calibrated_ and not self.calibrate:
+            _refuse(self.calibrated_[0], evidence.layout(self.calibrated_[0]).name)
+        each = [self._calibration(cue, evidence.scores(cue), codes) for cue in self.calibrated_]
+        m = len(evidence.layout(self.cues_[0]).classes)
+        self.slopes_ = np.array([float(one.slope) for one in each])
+        self.scales_ = np.array([float(one.scale) for one in each])
+        self.biases_ = np.array([one.bias for one in each]).reshape(len(each), m)
+
+    def _calibration(self, cue: str, scores: Scores, codes: NDArray[np.int64]) -> Calibration:
+        rows = np.flatnonzero(scores.available())
+        if len(np.unique(codes[rows])) < 2:
+            raise DataError(
+                f"the scores of cue '{cue}' cannot be calibrated: of the {len(rows)} held-out "
+                "samples that have them none or all are of one class"
+            )
+        return Calibration.fit(class_evidence(scores[rows]), codes[rows], self.penalty)
+
+    def _probabilities(self, cue: str, scores: Scores) -> Matrix:
+        """Return the probabilities by one cue, shape (n, M); NaN where it is missing."""
+        if cue not in self.calibrated_:
+            return np.asarray(scores.values)
+        at = self.calibrated_.index(cue)
+        learned = Calibration(float(self.slopes_[at]), float(self.scales_[at]), self.biases_[at])
+        rows = np.flatnonzero(scores.available())
+        values = np.full((len(scores), self.biases_.shape[1]), np.nan)
+        if rows.size:
+            values[rows] = np.exp(learned.log_probabilities(class_evidence(scores[rows])))
+        return values
+
+    def summary(self) -> str:
+        """Return which cues' scores are calibrated."""
+        return f"calibrated: {', '.join(self.calibrated_)}" if self.calibrated_ else ""
+
+    def check_learned(self) -> None:
+        """Raise ValueError if what a model folder says does not fit together."""
+        k, m = np.shape(self.biases_)
+        if len(self.calibrated_) != k or {np.shape(self.slopes_), np.shape(self.scales_)} != {(k,)}:
+            raise ValueError(
+                f"{len(self.calibrated_)} calibrated cues, slopes {np.shape(self.slopes_)}, scales "
+                f"{np.shape(self.scales_)}, biases {(k, m)}"
+            )
+
+
+def _refuse(cue: str, layout: str) -> None:
+    raise UsageError(
+        f"cue '{cue}' gives {layout} scores, and this integrator joins probabilities: set "
+        f"integrator.calibrate=true, or cues.{cue}.classifier.probability=sigmoid for an SVM, "
+        f"cues.{cue}.classifier.output=probability for AdaBoost, or choose an integrator that "
+        "takes any scores, such as integrator=vote"
+    )
 
 
 class MeanProbability(ProbabilityRule):
@@ -94,6 +175,8 @@ class ProductProbability(ProbabilityRule):
         p(k): equal, so that nothing is divided by, as suits the balanced accuracy that
         classifiers are trained for; or the share of each class in the samples it is fitted on,
         (n_k + 1) / (n + M), so that none is 0.
+    calibrate, penalty
+        See :class:`ProbabilityRule`.
 
     Attributes
     ----------
@@ -101,10 +184,14 @@ class ProductProbability(ProbabilityRule):
         The p(k) in use.
     """
 
-    def __init__(self, priors: str = "equal") -> None:
+    def __init__(
+        self, priors: str = "equal", calibrate: bool = False, penalty: float = 1.0
+    ) -> None:
+        super().__init__(calibrate, penalty)
         self.priors = priors
 
     def check_parameters(self) -> None:  # noqa: D102
+        super().check_parameters()
         check_choice("priors", self.priors, PRIORS)
 
     def _learn(self, evidence: Evidence, codes: NDArray[np.int64]) -> None:

@@ -25,6 +25,7 @@ from placecue.evaluation.figures import (
     classes,
     confusion,
     errors,
+    intervals,
     ranks,
     significance,
     summary,
@@ -52,6 +53,7 @@ KINDS: dict[str, Kind] = {
     "used": Kind(used.draw, used.KEYS),
     "summary": Kind(summary.draw, summary.KEYS),
     "significance": Kind(significance.draw, significance.KEYS),
+    "intervals": Kind(intervals.draw, intervals.KEYS),
 }
 
 

@@ -54,6 +54,9 @@ class Runs(Protocol):
 class Board(Protocol):
     """Is told how far a run is."""
 
+    def step(self, name: str, done: int = 0, total: int = 0) -> None:
+        """Say what comes before the pairs, and how far it is; the empty name: it is done."""
+
     def add(self, experiment: str, total: int, done: int = 0) -> None:
         """Put up an experiment; so many of its results are there already."""
 
@@ -97,11 +100,11 @@ class Evaluation:
 
     def run(self, executor: Runs, board: Board, tell: Callable[[Result], None]) -> Plan:
         """Plan, and compute what is not there yet; see :meth:`prepare` and :meth:`compute`."""
-        self.prepare(executor)
+        self.prepare(executor, board)
         self.compute(executor, board, tell)
         return self.plan
 
-    def prepare(self, executor: Runs) -> Plan:
+    def prepare(self, executor: Runs, board: Board) -> Plan:
         """Make the recordings that are not there yet, and find out what there is to compute.
 
         Raises
@@ -111,8 +114,8 @@ class Evaluation:
         """
         self.store = ResultStore(self.bench.folder)
         self.scores = ScoresStore(self.bench.folder, self.registry)
-        self._record(executor)
-        self.contents = contents = self._contents()
+        self._record(executor, board)
+        self.contents = contents = self._contents(board)
         splits = splits_of(self.pairs, self.bench.recordings, self.bench.scheme.n_folds)
         self.plan = Plan(
             self.bench,
@@ -141,7 +144,8 @@ class Evaluation:
             Is told of each result as it is kept.
         """
         self._announce(board)
-        self._extract(executor, self.contents)
+        self._extract(executor, board, self.contents)
+        board.step("")
         self._tell_classes(self.plan.splits)
         told = _Told(self, board, tell)
         self._single_cues(executor, told)
@@ -149,18 +153,22 @@ class Evaluation:
 
     # ------------------------------------------------------------------ before pairs
 
-    def _record(self, executor: Runs) -> None:
+    def _record(self, executor: Runs, board: Board) -> None:
         """Make the recordings that are not there yet."""
         to_make = [each for each in self.bench.recordings if each.origin is not None]
-        for outcome in executor.map(recorded, to_make):
+        if to_make:
+            board.step("recordings made", 0, len(to_make))
+        for number, outcome in enumerate(executor.map(recorded, to_make), start=1):
+            board.step("recordings made", number, len(to_make))
             if outcome.error is not None:
                 raise outcome.error
             self._spent("recording", outcome.value or 0.0)
 
-    def _contents(self) -> dict[tuple[str, str], Contents]:
+    def _contents(self, board: Board) -> dict[tuple[str, str], Contents]:
         """Open every recording; set its metadata, and return what it is."""
         contents, known = {}, []
-        for each in self.bench.recordings:
+        for number, each in enumerate(self.bench.recordings):
+            board.step("recordings opened", number, len(self.bench.recordings))
             found = contents_of(each, self.bench.labels, self.bench.every)
             told = {**found.metadata, **each.metadata}
             known.append(replace(each, metadata=derived(told, self.derive)))
@@ -185,7 +193,9 @@ class Evaluation:
 
     # ------------------------------------------------------------------ the three stages
 
-    def _extract(self, executor: Runs, contents: Mapping[tuple[str, str], Contents]) -> None:
+    def _extract(
+        self, executor: Runs, board: Board, contents: Mapping[tuple[str, str], Contents]
+    ) -> None:
         """Extract the cues of every recording into the cache; note what classes it has."""
         specs: dict[str, Mapping[str, Any]] = {}
         for model in self.methods.models.values():
@@ -194,7 +204,9 @@ class Evaluation:
         began = perf_counter()
         tasks = [ExtractionTask(self.bench, each, cues) for each in self.bench.recordings]
         self.recordings: dict[str, Recording] = {}
-        for outcome in executor.map(extracted, tasks):
+        board.step("recordings with their cues extracted", 0, len(tasks))
+        for number, outcome in enumerate(executor.map(extracted, tasks), start=1):
+            board.step("recordings with their cues extracted", number, len(tasks))
             each, classes = outcome.task.recording, outcome.value or {}
             if outcome.error is not None:
                 log.warning(f"{each.name}: {outcome.error}")

@@ -1,29 +1,22 @@
 """Intervals over scenes, against draws counted by hand."""
 
 from collections import Counter
-from importlib import import_module
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+from placecue.evaluation.group_bootstrap import GroupBootstrap
+
 DRAWS = 20_000
 
 
-@pytest.fixture
-def bootstrap(monkeypatch):
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
-    return import_module("scene_bootstrap").SceneBootstrap
-
-
-def test_scenes_are_drawn_and_not_frames(bootstrap):
+def test_scenes_are_drawn_and_not_frames():
     # Class a: scene 1 is right twice, scene 2 wrong twice: its recall is 0 in a quarter of the
     # draws, 1/2 in a half, 1 in a quarter. Class b is always right, so that the balanced accuracy
     # is 50, 75 or 100; its variance is 25**2 / 2.
     truth, scenes = [*"aaaabb"], [1, 1, 2, 2, 3, 4]
-    drawn = bootstrap(truth, scenes, draws=DRAWS)
+    drawn = GroupBootstrap(truth, scenes, draws=DRAWS)
     predicted = [*"aabbbb"]
     shares = {value: n / DRAWS for value, n in Counter(drawn.accuracies(predicted)).items()}
     assert shares == pytest.approx({50.0: 0.25, 75.0: 0.5, 100.0: 0.25}, abs=0.02)
@@ -32,7 +25,7 @@ def test_scenes_are_drawn_and_not_frames(bootstrap):
     assert drawn.interval(predicted, level=40.0) == (75.0, 75.0)
 
 
-def test_scenes_count_by_their_frames_and_classes_alike(bootstrap):
+def test_scenes_count_by_their_frames_and_classes_alike():
     # Class a: scenes of 3, 1 and 2 frames with 3, 0 and 1 right; class b: of 1 and 1 with 1 and 0.
     truth, scenes = [*"aaaaaabb"], [1, 1, 1, 2, 3, 3, 4, 5]
     predicted = [*"aaabab" + "ba"]
@@ -45,16 +38,16 @@ def test_scenes_count_by_their_frames_and_classes_alike(bootstrap):
         for name in "ab"
     }
     every = [50 * (a + b) for a, b in product(recalls["a"], recalls["b"])]
-    drawn = bootstrap(truth, scenes, draws=DRAWS).accuracies(predicted)
+    drawn = GroupBootstrap(truth, scenes, draws=DRAWS).accuracies(predicted)
     assert drawn.mean() == pytest.approx(np.mean(every), abs=0.5)
     assert drawn.std() == pytest.approx(np.std(every), abs=0.5)
     assert set(np.round(drawn, 6)) == set(np.round(every, 6))
 
 
-def test_two_methods_are_compared_on_the_same_draws(bootstrap):
+def test_two_methods_are_compared_on_the_same_draws():
     # One is right wherever the other is, and once more, in every scene: 1 of 2 against 2 of 2.
     truth, scenes = [*"aaaabbbb"], np.repeat([1, 2, 3, 4], 2)
-    drawn = bootstrap(truth, scenes, draws=1000)
+    drawn = GroupBootstrap(truth, scenes, draws=1000)
     assert drawn.difference([*"aaaabbbb"], [*"abababab"]) == (50.0, 50.0)
     # Right in scene 1 where the other is in scene 2: a difference of -50, 0 or 50 points.
     low, high = drawn.difference([*"aabbbbbb"], [*"bbaabbbb"])
@@ -62,9 +55,9 @@ def test_two_methods_are_compared_on_the_same_draws(bootstrap):
     assert drawn.difference([*"aabbbbbb"], [*"aabbbbbb"]) == (0.0, 0.0)
 
 
-def test_the_same_seed_draws_the_same(bootstrap):
+def test_the_same_seed_draws_the_same():
     truth, scenes, predicted = [*"aaabbb"], [1, 2, 3, 4, 5, 6], [*"abaabb"]
-    first, second = (bootstrap(truth, scenes, draws=50, seed=3) for _ in range(2))
+    first, second = (GroupBootstrap(truth, scenes, draws=50, seed=3) for _ in range(2))
     np.testing.assert_array_equal(first.accuracies(predicted), second.accuracies(predicted))
-    other = bootstrap(truth, scenes, draws=50, seed=4)
+    other = GroupBootstrap(truth, scenes, draws=50, seed=4)
     assert (other.accuracies(predicted) != first.accuracies(predicted)).any()

@@ -73,7 +73,7 @@ def test_a_task_that_fails_does_not_stop_the_rest(name: str) -> None:
     assert "in may_fail" in str(failed["foreign"].__cause__)  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize("name", ["loky"])  # not shown for dask yet
+@pytest.mark.parametrize("name", PROCESSES)
 def test_a_worker_that_dies_loses_its_own_task_only(name: str) -> None:
     tasks = ["a", "b", "killed", *"cdefgh", "unpicklable", "i"]
     with executor_of(config(name)) as executor:

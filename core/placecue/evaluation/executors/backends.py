@@ -70,19 +70,21 @@ def _loky(chosen: Mapping[str, Any]) -> Iterator[Executor]:
 @contextmanager
 def _dask(chosen: Mapping[str, Any]) -> Iterator[Executor]:
     _check_installed("dask", "distributed")
+    import dask
     import distributed
 
-    from placecue.evaluation.executors.dask_backend import DaskBackend
+    from placecue.evaluation.executors.dask_executor import DaskExecutor
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     address = chosen.get("address")
     if address is not None:
         with _connected(distributed.Client, str(address)) as client:
-            yield Executor("dask", -1, {"backend": DaskBackend(client)})
+            yield DaskExecutor(client)
         return
     workers = _count(chosen, "workers")
-    # dask tries a task whose worker died on three others before it gives up.
+    # Else dask tries a task whose worker died on three others before it gives up.
     with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         distributed.LocalCluster(  # type: ignore[no-untyped-call]
             n_workers=workers,
             threads_per_worker=1,
@@ -93,7 +95,7 @@ def _dask(chosen: Mapping[str, Any]) -> Iterator[Executor]:
         ) as cluster,
         _connected(distributed.Client, cluster) as client,
     ):
-        yield Executor("dask", workers, {"backend": DaskBackend(client)})
+        yield DaskExecutor(client)
 
 
 @contextmanager

@@ -87,7 +87,7 @@ class Executor:
         Exception
             What ``tasks`` raises, after all tasks before.
         """
-        work, feed = Work(function, os.getpid()), _Feed(tasks)
+        work, feed = Work(function, os.getpid()), Feed(tasks)
         while not feed.ended:
             try:
                 yield from self._round(work, feed)
@@ -103,20 +103,19 @@ class Executor:
         if feed.error is not None:
             raise feed.error
 
-    def _round(self, work: Work, feed: _Feed[Task]) -> Iterator[Outcome[Task, Any]]:
+    def _round(self, work: Work, feed: Feed[Task]) -> Iterator[Outcome[Task, Any]]:
         """Run tasks until there are none, or until the backend breaks."""
         for number, value in self._answers(work, feed):
-            yield _outcome(feed.open.pop(number), value)
+            yield outcome_of(feed.open.pop(number), value)
 
-    def _alone(self, work: Work, feed: _Feed[Task], number: int) -> Outcome[Task, Any]:
+    def _alone(self, work: Work, feed: Feed[Task], number: int) -> Outcome[Task, Any]:
         """Run a task that was under way when the backend broke, and nothing beside it."""
         task = feed.open.pop(number)
         try:
             [(_, value)] = self._answers(work, [(number, task)])
         except Exception as error:
-            failure = Failure(PlacecueError, _lost(self.name, error), told(error))
-            return _outcome(task, failure)
-        return _outcome(task, value)
+            return outcome_of(task, lost(self.name, error))
+        return outcome_of(task, value)
 
     def _answers(self, work: Work, tasks: Iterable[tuple[int, Any]]) -> Iterator[tuple[int, Any]]:
         with joblib.parallel_config(**self._backend):
@@ -134,7 +133,7 @@ class Executor:
             yield from parallel(calls)
 
 
-class _Feed(Generic[Task]):
+class Feed(Generic[Task]):
     """Numbers tasks as they are taken, and knows which are under way.
 
     Attributes
@@ -167,17 +166,19 @@ class _Feed(Generic[Task]):
             yield number, task
 
 
-def _outcome(task: Any, value: Any) -> Outcome[Any, Any]:
+def outcome_of(task: Any, value: Any) -> Outcome[Any, Any]:
+    """Return what came of a task: a value, or a failure."""
     if isinstance(value, Failure):
         return Outcome(task, error=value.error())
     return Outcome(task, value)
 
 
-def _lost(executor: str, error: Exception) -> str:
+def lost(executor: str, error: Exception) -> Failure:
     """Say in one line why a task has no answer though nothing was raised by it."""
+    said = f"executor={executor} could not run it: {told(error)}"
     if type(error).__name__ in ("TerminatedWorkerError", "BrokenProcessPool", "KilledWorker"):
-        return (
+        said = (
             "its worker died (killed, out of memory, or a crash in C): fewer jobs, "
             "executor.jobs=N, take less memory"
         )
-    return f"executor={executor} could not run it: {told(error)}"
+    return Failure(PlacecueError, said, told(error))

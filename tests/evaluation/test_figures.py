@@ -224,7 +224,7 @@ def test_every_kind_is_written(kind, results, about, tmp_path):
     told = spec(kind, title="50 % of what & how", methods=asked, experiments=["Exp 1", "Exp 4"])
     made = make(told, results, about, tmp_path)
     ends = {path.suffix: path for path in made.files}
-    assert set(ends) == {".csv", ".tex"} | ({".png", ".pdf"} if made.drawn.figure else set())
+    assert set(ends) == {".csv", ".tex", ".md"} | ({".png", ".pdf"} if made.drawn.figure else set())
     assert sorted(tmp_path.iterdir()) == sorted(made.files)
     assert len(list(csv.reader(ends[".csv"].open()))) > 1
     tex = ends[".tex"].read_text()

@@ -24,11 +24,14 @@ class _Sweeps(Exception):
 
 
 class _Once(Hydra):
+    _looked = False
+
     def compose_config(self, *words: Any, **options: Any) -> DictConfig:
-        """Compose the config, and look at its mode at once."""
+        """Compose a config; the first is that of the run, whose mode is looked at at once."""
         config = super().compose_config(*words, **options)
-        if config.hydra.mode is RunMode.MULTIRUN:
+        if not self._looked and config.hydra.mode is RunMode.MULTIRUN:
             raise _Sweeps
+        self._looked = True
         return config
 
 

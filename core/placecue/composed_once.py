@@ -12,6 +12,7 @@ from hydra import version
 from hydra._internal.hydra import Hydra
 from hydra._internal.utils import create_config_search_path, get_args_parser
 from hydra.core.global_hydra import GlobalHydra
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.types import RunMode, TaskFunction
 from omegaconf import DictConfig
 
@@ -52,12 +53,13 @@ def run_once(task: TaskFunction, name: str, configs: str, words: list[str]) -> b
     Returns
     -------
     bool
-        False where Hydra's own entry is needed, and nothing was done: options are given, or the
-        config asks for a sweep.
+        False where Hydra's own entry is needed, and nothing was done: there are options, or
+        several values, or the config asks for a sweep.
     """
     asked = vars(get_args_parser().parse_args(words))
     overrides = asked.pop("overrides")
-    if any(asked.values()):
+    parsed = OverridesParser.create().parse_overrides(overrides)
+    if any(asked.values()) or any(each.is_sweep_override() for each in parsed):
         return False
     version.setbase(VERSION_BASE)
     path = create_config_search_path(configs)

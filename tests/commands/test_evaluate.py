@@ -7,10 +7,12 @@ import fcntl
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from browser import ran
 from command_line import placecue, script, succeeds
+from placecue.evaluation.results.store import ResultStore
 from rooms import Rooms, write_log
 
 #: One method, for what does not depend on methods.
@@ -158,8 +160,17 @@ def test_a_folder_of_something_else_is_not_written_into(four: list[Path], tmp_pa
     assert "is not empty (notes.txt)" in told.line
 
 
-def test_as_a_process_with_workers(four: list[Path], tmp_path: Path) -> None:
-    words = [*LASER, FEW[0], "executor.jobs=2"]
+def test_as_a_process_its_workers_give_the_same_to_the_bit(
+    evaluated: Path, four: list[Path], tmp_path: Path
+) -> None:
+    words = ["cue=[laser,crfh]", "integrator=[gdas]", *FEW, "executor.jobs=2"]
     told = script("evaluate", listed(four[:2]), *words, f"out={tmp_path / 'out'}")
     assert told.status == 0, told.err
-    assert len(rows(tmp_path / "out")) == 2
+    assert len(rows(tmp_path / "out")) == 6
+    ours, theirs = ResultStore(tmp_path / "out"), ResultStore(evaluated)
+    digests = [path.stem for path in ours.folder.glob("*.npz")]
+    assert len(digests) == 6
+    for digest in digests:
+        found, expected = ours.load(digest), theirs.load(digest)
+        np.testing.assert_array_equal(found.decided, expected.decided)
+        np.testing.assert_array_equal(found.confidence, expected.confidence)

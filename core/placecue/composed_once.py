@@ -6,18 +6,15 @@ of what a command takes to start.
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 from hydra import version
-from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra._internal.hydra import Hydra
 from hydra._internal.utils import create_config_search_path, get_args_parser
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.types import RunMode, TaskFunction
 from omegaconf import DictConfig
-
-from placecue.kept_configs import keep
 
 #: The version of Hydra whose behaviour is kept to.
 VERSION_BASE = "1.3"
@@ -67,9 +64,7 @@ def run_once(task: TaskFunction, name: str, configs: str, words: list[str]) -> b
     version.setbase(VERSION_BASE)
     path = create_config_search_path(configs)
     try:
-        running = _Once.create_main_hydra2(name, path)
-        keep(cast(ConfigLoaderImpl, running.config_loader), configs)
-        running.run(name, task, overrides)
+        _Once.create_main_hydra2(name, path).run(name, task, overrides)
     except _Sweeps:
         return False
     finally:

@@ -123,7 +123,7 @@ class McapLog(LogOptions):
             return None
         camera = self.choices["image"].topic
         assert camera is not None  # or it would not drive
-        return silence_of(self.file, camera, self.silence)
+        return silence_of(self.file, camera, self.silence, self.start_time)
 
     @cached_property
     def intervals(self) -> Intervals | None:
@@ -141,7 +141,15 @@ class McapLog(LogOptions):
         chosen = [reader for part in self.choices for reader in self._plain_readers(part)]
         placed = "pose" in self.choices or "scan" in self.choices
         moved = [each for each in self.frames.readers if not each.static] if placed else []
-        return clocks.measured(self.file, [*chosen, *moved])
+        found = clocks.measured(self.file, [*chosen, *moved])
+        return {**found, **self._labels_behind(found.get(self._driver.name, 0))}
+
+    def _labels_behind(self, own: int) -> dict[str, int]:
+        """Return the same of labels with stamps, where those can never meet the drivers' clock."""
+        stamped = [t for t in self._read("label") if not t.schema.endswith("String")]
+        found = clocks.measured(self.file, [TopicReader(self.file, topic) for topic in stamped])
+        length = self.file.contents.end - self.start_time
+        return {name: each for name, each in found.items() if abs(each - own) > length + APART}
 
     @property
     def start_time(self) -> int:
@@ -269,8 +277,7 @@ class McapLog(LogOptions):
         faults = Faults(str(self.path))
         motion = self.frames.motion(faults)
         readers = [r for part in self.choices for r in self._readers(part, motion, faults)]
-        if self.frames.moves(motion):
-            readers += readers_of(self.file, self.frames.topics)
+        readers += readers_of(self.file, self.frames.taken_in(motion))
         clocks.set_clocks(readers, self.behind, self._driver.name)
         spans = (self.tolerance, self.window, self.pose_gap)
         if not self._clocks_told:
@@ -319,7 +326,7 @@ class McapLog(LogOptions):
         if part == "pose":
             found = [topic for topic in chosen if topics.role_of(topic) != "transform"]
             carrier = motion if self.frames.carries(motion) else None
-            return [PoseReader(self.file, topic, carrier) for topic in found]
+            return [PoseReader(self.file, topic, carrier, faults) for topic in found]
         if part == "scan" and chosen:
             place = self.frames.mountings(motion, faults).place
             if chosen[0].depth:

@@ -101,6 +101,8 @@ class TopicReader:
         How far the clock of the drivers is behind the recorder's, ns.
     unstamped : int
         How many messages so far had no stamp.
+    lasts : bool
+        Whether what a message says holds until the next one.
 
     Raises
     ------
@@ -117,6 +119,7 @@ class TopicReader:
         self.topic = topic
         self.adapter = adapter
         self.role: Role = adapter.role
+        self.lasts = adapter.role == "label"
         self.finish = finish
         self.shift = 0
         self.behind = 0

@@ -16,11 +16,13 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout, suppress
+from io import BytesIO
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from shutil import rmtree
 from time import perf_counter
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -42,6 +44,7 @@ DRIVE = ["convert", "source=office", "source.rate=1", "source.width=64", "source
 WHOLE: dict[str, Callable[[bytes], bool]] = {
     ".html": lambda data: data.rstrip().endswith(b"</html>"),
     ".json": lambda data: bool(json.loads(data)),
+    ".npz": lambda data: all(each.nbytes >= 0 for each in np.load(BytesIO(data)).values()),
     ".png": lambda data: data.endswith(b"IEND\xaeB`\x82"),
 }
 
@@ -94,7 +97,7 @@ def is_whole(name: str, data: bytes, out: Path) -> bool:
         return LogFile(out / name).contents.damage is None
     try:
         return WHOLE.get(Path(name).suffix, lambda each: bool(each))(data)
-    except ValueError:
+    except (ValueError, OSError, EOFError, BadZipFile):
         return False
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from bags import Recording
-from mcap_logs import START, heading
+from mcap_logs import DEFINITIONS, START, heading, jpeg
 from placecue.errors import DataError, UsageError
 from placecue.logs import McapLog, open_log
 from placecue.logs.info import summarise
@@ -465,3 +465,56 @@ def test_steps_in_degrees_are_no_scan(ros2: Any, caplog: pytest.LogCaptureFixtur
     log.scan(0.1, [1.0] * 361, first=-math.pi, step=math.radians(1.0))
     assert len(list(open_log(log.close()))) == 1
     assert "361 beams in steps of 1 rad turn 57 times" in caplog.text
+
+
+def test_transforms_that_do_not_place_the_robot_are_told(
+    ros2: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    log = ros2()
+    for i in range(10):
+        log.transform(0.1 * i, "map", "camera_link", (float(i), 0.0, 0.0), LEVEL, topic="/tf")
+        log.image(0.1 * i, jpeg())
+    path = log.close()
+    assert xs(path) == [None] * 10
+    assert "no pose: the transforms do not place 'base_link' in any of map, world" in caplog.text
+    assert "frames: camera_link, map; set source.base_frame" in caplog.text
+    assert xs(path, base_frame="camera_link") == pytest.approx(list(range(10)))
+    [told] = [each for each in summarise(McapLog(path)).parts if each.part == "pose"]
+    assert "do not place 'base_link'" in told.reason
+
+
+def test_odometry_of_something_else_is_not_taken_by_itself(ros2: Any) -> None:
+    log = localised(ros2)
+    for i in range(40):
+        log.odom(0.1 * i, 50.0, 0.0, 0.0, topic="/target/odom")
+    path = log.close()
+    assert xs(path) == pytest.approx([5 + 0.3 * i for i in range(40)])
+    assert xs(path, pose_topic="/target/odom") == [50.0] * 40
+
+
+def test_poses_that_change_their_frame_are_not_joined(
+    ros2: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    log = ros2()
+    for i in range(10):
+        frame, x = ("odom", 0.1 * i) if i < 5 else ("map", 100.0 + i)
+        stamped(log, 0.1 * i, "/pose", frame, x)
+        log.scan(0.1 * i + 0.04, [1.0])
+    found = [(o.pose.x, o.pose.frame) for o in open_log(log.close()) if o.pose]
+    assert found[3] == (pytest.approx(0.34), "odom")
+    assert found[4] == (0.4, "odom")
+    assert found[5] == (pytest.approx(105.4), "map")
+    assert "1 times poses change their frame" in caplog.text
+
+
+def test_a_header_that_does_not_stand_first(ros2: Any) -> None:
+    """Of a definition of one's own."""
+    log, name = ros2(), "sensor_msgs/msg/LaserScan"
+    schema = log.writer.register_msgdef(name, f"uint32 extra\n{DEFINITIONS[name]}")
+    message = {"extra": 7, "header": log.header(1.0, "laser"), "angle_min": -1.0}
+    message |= {"angle_increment": 0.5, "range_max": 10.0, "ranges": [1.0, 2.0]}
+    log.writer.write_message("/scan", schema, message, START, START)
+    (found,) = open_log(log.close())
+    assert found.stamp == START + 1_000_000_000
+    assert found.scan is not None
+    assert found.scan.ranges.tolist() == [1.0, 2.0]

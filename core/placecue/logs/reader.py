@@ -6,6 +6,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from inspect import signature
 from math import isnan
@@ -105,9 +106,11 @@ class McapLog(LogOptions):
         if part != "pose":
             return topics.choose(part, self.topics, name, where)
         frames = self.frames
-        return choose_pose(
+        found = choose_pose(
             self.topics, name, where, frames.driver, frames.moving_topics, frames.may_be_fixed
         )
+        lost = not found.topics and not found.others and frames.unplaced is not None
+        return replace(found, reason=frames.unplaced or "") if lost else found
 
     @property
     def driver(self) -> Part:
@@ -222,6 +225,9 @@ class McapLog(LogOptions):
         left = {each for choice in self.choices.values() for each in choice.others}
         if any(topics.role_of(topic) != "transform" for topic in left):
             log.info(f"{self.path}: {self.taken()}")
+        pose = self.choices.get("pose")
+        if pose is not None and not pose.topics and pose.reason == self.frames.unplaced:
+            log.warning(f"{self.path}: no pose: {pose.reason}")
 
     def taken(self) -> str:
         """Return in one line which topics and frames are read, and what else there was."""

@@ -85,6 +85,14 @@ class LogFrames:
             return moving  # what is wrong with the frame is said when it is looked up
         return moving if self.fixed is not None else ()
 
+    @cached_property
+    def unplaced(self) -> str | None:
+        """Why the transforms that there are give no pose, and what to type; None if they do."""
+        if self.moving_topics() or all(map(frames.is_static, self.topics)):
+            return None
+        buffer = self.survey(True).buffer
+        return _unplaced(buffer, self._base(buffer))
+
     # Frames.
 
     @cached_property
@@ -258,11 +266,7 @@ class LogFrames:
                 f"of {source.path}; above it: {', '.join(buffer.line(base)[1:]) or 'none'}"
             )
         if fixed is None:
-            self._tell(
-                f"no pose, for the transforms do not place '{base}' in any of "
-                f"{', '.join(FIXED_FRAMES)}; frames: {', '.join(sorted(buffer.frames())) or 'none'}"
-                "; set source.base_frame or source.pose_frame"
-            )
+            self._tell(f"no pose: {_unplaced(buffer, base)}")
         return fixed
 
     def _tell_of_child(self, buffer: TransformBuffer, child: str, base: str) -> None:
@@ -309,3 +313,11 @@ class LogFrames:
         if text not in self._told:
             self._told.add(text)
             log.warning(f"{self.source.path}: {text}")
+
+
+def _unplaced(buffer: TransformBuffer, base: str) -> str:
+    known = ", ".join(sorted(buffer.frames())) or "none"
+    return (
+        f"the transforms do not place '{base}' in any of {', '.join(FIXED_FRAMES)}; frames: "
+        f"{known}; set source.base_frame or source.pose_frame"
+    )

@@ -206,19 +206,27 @@ class McapLog(LogOptions):
         reading = self._reading()
         if not self._faults_told:
             self._tell_taken()
-        seen = Seen()
-        own_clock = self.intervals is not None and not reading.recorded
-        for observation in reading.observations():
-            seen.add(observation.stamp)
-            if self.intervals is not None and own_clock and len(seen) == 1:
-                length = self.file.contents.end - self.file.contents.start
-                self.intervals.check_clock(observation.stamp, length, str(self.path))
-            yield observation
-        if self.intervals is not None and own_clock and not self._faults_told:
-            self.intervals.tell_apart(seen, str(self.path))
+        if self.intervals is None or reading.recorded:
+            yield from reading.observations()
+        else:
+            yield from self._meeting(self.intervals, reading.observations())
         if not self._faults_told:
             reading.faults.report()
             self._faults_told = True
+
+    def _meeting(
+        self, intervals: Intervals, observations: Iterator[Observation]
+    ) -> Iterator[Observation]:
+        """Yield observations; refuse labels of another clock, and tell where none meets the log."""
+        seen = Seen()
+        for observation in observations:
+            seen.add(observation.stamp)
+            if len(seen) == 1:
+                length = self.file.contents.end - self.file.contents.start
+                intervals.check_clock(observation.stamp, length, str(self.path))
+            yield observation
+        if not self._faults_told:
+            intervals.tell_apart(seen, str(self.path))
 
     def _tell_taken(self) -> None:
         """Say what is read, where there was something to choose between."""

@@ -224,7 +224,8 @@ class TopicReader:
                 decoded = self._decode[message.channel_id](message.data)
             origin = f"{self.topic.name} at stamp {stamp}"
             value = call(self.adapter, "value", decoded, origin, check=self._check)
-            check_writable(value)
+            if self.role != "image":
+                check_writable(value)
             return value if self.finish is None else self.finish(value, stamp)
         except UnusableObservation:
             raise

@@ -96,6 +96,7 @@ class PoseReader(TopicReader):
         self.faults = faults
 
     def _value(self, message: Message, stamp: int, decoded: Any) -> Any:
+        decoded = self.decoded(message) if decoded is None else decoded
         pose = super()._value(message, stamp, decoded)
         far = hypot(pose.x, pose.y)
         if not (far <= FARTHEST and isfinite(pose.theta)):
@@ -104,11 +105,11 @@ class PoseReader(TopicReader):
                 if not isfinite(far + pose.theta)
                 else f"a pose of {self.topic.name} at {stamp} is {far:g} m away"
             )
-        if pose.theta == 0.0 and not self.adapter.is_turned(self.decoded(message)):
+        if pose.theta == 0.0 and not self.adapter.is_turned(decoded):
             example = f"of {self.topic.name} at {stamp}"
             self.faults.add("poses say no heading, and are taken to look along x", example)
         motion = self.motion
-        moved = None if motion is None else call(self.adapter, "moved", self.decoded(message))
+        moved = None if motion is None else call(self.adapter, "moved", decoded)
         if motion is None or moved is None or not moved.child or moved.child == motion.base:
             return pose
         offset = motion.buffer.lookup(named(plain(moved.child), motion.buffer), motion.base, stamp)

@@ -138,10 +138,10 @@ class Reading:
         """Yield what holds when the reading begins: labels, and the transforms just before."""
         if self.since is None:
             return
-        labels = [number for number, reader in self.readers.items() if reader.role == "label"]
-        moved = [n for n, reader in self.readers.items() if reader.role == "transform"]
-        if labels:
-            yield from self.file.messages(labels, until=self.since)
+        lasting = [number for number, reader in self.readers.items() if reader.lasts]
+        moved = [n for n, r in self.readers.items() if r.role == "transform" and not r.lasts]
+        if lasting:
+            yield from self.file.messages(lasting, until=self.since)
         if moved:
             yield from self.file.messages(moved, max(self.since - BEFORE, 0), self.since)
 

@@ -29,7 +29,7 @@ class Silence:
     period: int
 
 
-def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
+def silence_of(file: LogFile, camera: Topic, least: float, start: int) -> Silence | None:
     """Return when a camera counts as silent; None if it never is.
 
     By log time, from the index of the messages; a file without one is read through.
@@ -42,6 +42,8 @@ def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
         The images.
     least : float
         A camera is silent after so long, and five times the usual distance of its images, s.
+    start : int
+        When the log begins, by a clock that was set, ns.
     """
     channels = set(camera.channels)
     found = [t for times in message_times(file) for c, t in times.items() if c in channels]
@@ -52,6 +54,5 @@ def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
     steps = [after - before for before, after in pairwise(stamps)]
     period = round(median(steps)) if steps else 0
     after = max(round(least * 1e9), LEFT_OUT * period)
-    contents = file.contents
-    longest = max(*steps, stamps[0] - contents.start, contents.end - stamps[-1], 0)
+    longest = max(*steps, stamps[0] - start, file.contents.end - stamps[-1], 0)
     return Silence(after, period) if longest >= after else None

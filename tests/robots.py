@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import socket
 import struct
 import time
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Event, Thread
@@ -15,10 +17,23 @@ import pytest
 from mcap.reader import make_reader
 from mcap.records import Channel, Message, Schema
 
+from placecue import Observation
+from placecue.logs.live.log import LiveLog
+
 foxglove = pytest.importorskip("foxglove", reason="needs foxglove-sdk (placecue[live])")
 pytest.importorskip("websockets", reason="needs websockets (placecue[live])")
 
 Recorded = tuple[Schema | None, Channel, Message]
+#: What a log of McapWriter is read from.
+READ = ("/camera/image/compressed", "/scan", "/odom", "/label")
+
+
+def wait_for(what: Callable[[], object], seconds: float = 60.0) -> None:
+    """Wait until something is so; a machine may be busy, but not that busy."""
+    until = time.monotonic() + seconds
+    while not what():
+        assert time.monotonic() < until, "waited in vain"
+        time.sleep(0.005)
 
 
 def recorded(path: Path) -> list[Recorded]:
@@ -50,12 +65,10 @@ class Robot:
                     context=context,
                 )  # fmt: skip
 
-    def wait(self, seconds: float = 20.0) -> None:
-        """Wait until somebody listens to every topic, as a robot need not."""
-        until = time.monotonic() + seconds
-        while not all(each.has_sinks() for each in self.channels.values()):
-            assert time.monotonic() < until, "nobody subscribes"
-            time.sleep(0.005)
+    def wait(self, *topics: str) -> None:
+        """Wait until somebody listens to some topics, or to all, as a robot need not."""
+        some = [each for each in self.channels.values() if not topics or each.topic() in topics]
+        wait_for(lambda: all(each.has_sinks() for each in some))
 
     def drive(self, speed: float = 0.0, part: slice = slice(None)) -> None:
         """Send a part of the log, so many times as fast as it was recorded; 0: at once."""
@@ -125,7 +138,7 @@ class OldRobot:
                 self.subscribed.set()
 
     def drive(self) -> None:
-        assert self.subscribed.wait(20.0)
+        assert self.subscribed.wait(60.0)
         for _, channel, message in self.log:
             head = struct.pack("<BIQ", 1, self._ids[channel.id], message.log_time)
             self._connections[-1].send(head + message.data)
@@ -134,3 +147,85 @@ class OldRobot:
         self.server.shutdown()
         for connection in self._connections:
             connection.close()
+
+
+class Follower:
+    """Takes the observations of a live log in a thread of its own; a context manager."""
+
+    def __init__(self, live: LiveLog) -> None:
+        self.live = live
+        self.came: Counter[str] = Counter()  # messages by topic
+        self.observations: list[Observation] = []
+        self.error: Exception | None = None
+        self._put = live.inbox.put
+        live.inbox.put = self._count  # type: ignore[method-assign]
+        self._thread = Thread(target=self._run, daemon=True)
+
+    def _count(self, message: Message) -> None:
+        self._put(message)
+        self.came[self.live.channels.contents.channels[message.channel_id].topic] += 1
+
+    def _run(self) -> None:
+        try:
+            for observation in self.live:
+                self.observations.append(observation)
+        except Exception as error:
+            self.error = error
+
+    def wait(self, log: Sequence[Recorded]) -> None:
+        """Wait until all messages of a log have come that are read of it."""
+        sent = Counter(channel.topic for _, channel, _ in log)
+        wait_for(lambda: all(self.came[topic] >= sent[topic] for topic in READ))
+
+    def __enter__(self) -> Follower:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.live.stop()
+        self._thread.join(60.0)
+        if self.error is not None:
+            raise self.error
+
+
+def heard(url: str, *topics: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What a server says of some topics in JSON, as any client would hear it.
+
+    It is waited for, and nothing comes first, so that it is known to be there.
+    """
+    with _connected(url) as connection:
+        ids: dict[int, str] = {}
+        while set(ids.values()) != set(topics):
+            told = json.loads(connection.recv(60.0))
+            for channel in told.get("channels", ()):
+                if channel["topic"] in topics:
+                    ids[channel["id"]] = channel["topic"]
+        asked = [{"id": number, "channelId": number} for number in ids]
+        connection.send(json.dumps({"op": "subscribe", "subscriptions": asked}))
+        yield "", {}
+        while True:
+            frame = connection.recv(60.0)
+            if isinstance(frame, bytes) and frame[0] == 1:
+                _, number, _ = struct.unpack_from("<BIQ", frame)
+                yield ids[number], json.loads(frame[13:])
+
+
+def _connected(url: str) -> Any:
+    from websockets.sync.client import connect
+
+    found: list[Any] = []
+
+    def tried() -> bool:
+        with suppress(OSError):
+            found.append(connect(url, subprotocols=["foxglove.sdk.v1"], proxy=None, max_size=None))
+        return bool(found)
+
+    wait_for(tried)
+    return found[0]
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -109,6 +110,7 @@ def label(
         ]
         with stopped_by_interrupt(robot.stop):
             run_log(pipeline, source, listeners, accumulator=accumulator, batch=1)
+        print("progress: writing the map", file=sys.stderr, flush=True)
         semantic_map, grid = told.end()
         write_map(semantic_map, grid, surroundings, pipeline.classes, out, source.name)
     return semantic_map

@@ -76,7 +76,7 @@ class FoxgloveServer:
                 "out with serve=false"
             ) from error
         self._foxglove = foxglove
-        context = foxglove.Context()
+        context = self._context = foxglove.Context()  # without it channels say nothing
         try:
             self._server = foxglove.start_server(
                 name="placecue",

@@ -80,7 +80,9 @@ class Page:
             ) from error
         self.url = f"http://{host}:{self._server.server_address[1]}/"
         self._server.daemon_threads = True
-        Thread(target=self._server.serve_forever, name="placecue page", daemon=True).start()
+        Thread(
+            target=self._server.serve_forever, args=(0.1,), name="placecue page", daemon=True
+        ).start()
 
     def moment(self, moment: Moment) -> None:
         """Show a moment to who asks next."""

@@ -171,7 +171,7 @@ def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, 
         f"{pace.count} observations; dropped, as labelling did not keep up: "
         f"{dropped['observations']} observations, {dropped['messages']} messages"
     )
-    print(f"latency of the last: median {median:.0f} ms, 99th percentile {late:.0f} ms")
+    print(f"latency of the last: median {median:.1f} ms, 99th percentile {late:.1f} ms")
     if tally.counts:
         show.scores(tally)
     tables.written(

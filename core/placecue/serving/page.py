@@ -22,6 +22,8 @@ from placecue.serving.page_state import map_told, moment_told
 
 #: Names of this machine, by which a page may ask for it.
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+#: How soon it is heard that there is to be no more, s.
+POLL = 0.1
 HTML, JSON = "text/html; charset=utf-8", "application/json"
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from itertools import combinations
 from typing import Self
 
@@ -72,6 +73,9 @@ class Pipeline:
     ----------
     extraction : Extraction
         How features come from observations: straight from the cues, unless one sets a cache here.
+    pool : Executor or None
+        Threads in which the cues of a batch go side by side, such as camera and laser; None: one
+        after the other. Not together with a feature cache, which is for one thread.
     on_error : {"stop", "skip"}
         What becomes of an observation at which a component fails: the error, or the cue is missing
         there; an observation without any is passed over and counted.
@@ -119,6 +123,7 @@ class Pipeline:
         self.folds = InterleavedChunks() if folds is None else folds
         self.unknown = unknown
         self.extraction = Extraction()
+        self.pool: Executor | None = None
         self.on_error = "stop"
         self.min_cues = 1
         self.for_fewer_: dict[Cues, Integrator] = {}
@@ -162,6 +167,8 @@ class Pipeline:
         evidence = ObservedEvidence(  # extract, score
             observations, self.cues, self.extraction, skip=self.skips
         )
+        if self.pool is not None and not self.schemes.full.stops_early:
+            evidence.compute(self.pool)
         scores, failed = self.schemes.integrate(  # integrate
             evidence, observations, skip=self.skips
         )

@@ -20,6 +20,7 @@ from placecue.errors import (
 )
 from placecue.faults import Faults
 from placecue.logs.joining import clocks, depth, topics
+from placecue.logs.joining.feed import Feed
 from placecue.logs.joining.frames import readers_of
 from placecue.logs.joining.items import APART, TopicReader
 from placecue.logs.joining.labels import Intervals, Seen
@@ -206,12 +207,12 @@ class McapLog(LogOptions):
         reading = self._reading()
         if not self._faults_told:
             self._tell_taken()
-        if self.intervals is None or reading.recorded:
+        if self.intervals is None or reading.feed.recorded:
             yield from reading.observations()
         else:
             yield from self._meeting(self.intervals, reading.observations())
         if not self._faults_told:
-            reading.faults.report()
+            reading.feed.faults.report()
             self._faults_told = True
 
     def _meeting(
@@ -287,28 +288,34 @@ class McapLog(LogOptions):
         choice = self.choices.get(part)
         return () if choice is None else choice.topics
 
-    def _reading(self) -> Reading:
+    def feed(self) -> Feed:
+        """Return what takes messages of these topics, one at a time, and gives observations.
+
+        Topics, frames and clocks are what a look at the log found.
+        """
         faults = Faults(str(self.path))
         motion = self.frames.motion(faults)
         readers = [r for part in self.choices for r in self._readers(part, motion, faults)]
         readers += readers_of(self.file, self.frames.taken_in(motion))
         clocks.set_clocks(readers, self.behind, self._driver.name)
-        spans = (self.tolerance, self.window, self.pose_gap)
         if not self._clocks_told:
             clocks.tell(readers, self.behind, self._driver.name, str(self.path))
             self._clocks_told = True
-        return Reading(
-            self.file,
+        return Feed(
             self.driver,
             readers,
             self.intervals,
-            *spans,
-            *self._span(),
+            self.tolerance,
+            self.window,
+            self.pose_gap,
             silence=self.camera_silence,
             motion=motion,
             recorded=self._labels_recorded(),
             faults=faults,
         )
+
+    def _reading(self) -> Reading:
+        return Reading(self.file, self.feed(), *self._span())
 
     @property
     def _driver(self) -> Topic:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from placecue import LaserScan, Observation, Pose2D
@@ -60,7 +62,7 @@ def way(corners: list[tuple[float, float]], step: float = 0.1, turn: float = 0.2
     """Return poses along straight lines, turning on the spot at corners, shape (n, 3)."""
     poses: list[tuple[float, float, float]] = []
     heading = None
-    for (x0, y0), (x1, y1) in zip(corners, corners[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(corners):
         towards = float(np.arctan2(y1 - y0, x1 - x0))
         if heading is not None:
             by = (towards - heading + np.pi) % (2 * np.pi) - np.pi
@@ -68,14 +70,16 @@ def way(corners: list[tuple[float, float]], step: float = 0.1, turn: float = 0.2
                 poses.append((x0, y0, heading + np.sign(by) * k * turn))
         heading = towards
         for k in range(max(round(np.hypot(x1 - x0, y1 - y0) / step), 1)):
-            poses.append((x0 + k * step * np.cos(heading), y0 + k * step * np.sin(heading), heading))
+            poses.append(
+                (x0 + k * step * np.cos(heading), y0 + k * step * np.sin(heading), heading)
+            )
     return np.array(poses)
 
 
 def drifting(poses: np.ndarray, stretch: float = 1.03, veer: float = 0.01) -> np.ndarray:
     """Return what wheels say that measure ways too long and veer by so many rad a metre."""
     told = [poses[0]]
-    for a, b in zip(poses, poses[1:], strict=False):
+    for a, b in pairwise(poses):
         dx, dy = b[:2] - a[:2]
         c, s = np.cos(a[2]), np.sin(a[2])
         ahead, aside = stretch * (c * dx + s * dy), stretch * (c * dy - s * dx)

@@ -23,6 +23,8 @@ class Account:
         Scans with too few end points to say anything.
     unmatched : int
         Scans that lay on nothing seen before; odometry alone was followed.
+    stopped : int
+        Those that showed a robot in motion whose odometry stood still.
     without : int
         Observations without odometry: the robot was taken to go on as it did.
     jumps : int
@@ -41,6 +43,7 @@ class Account:
     untold: int = 0
     few: int = 0
     unmatched: int = 0
+    stopped: int = 0
     without: int = 0
     jumps: int = 0
     lost: int = 0
@@ -56,6 +59,7 @@ class Account:
             (self.untold, "in corridors, along which odometry counts"),
             (self.few, "with too few end points"),
             (self.unmatched, "unlike all before, placed by odometry"),
+            (self.stopped, "in motion while odometry stood still"),
             (self.without, "observations without odometry"),
             (self.jumps, "jumps of odometry passed over"),
             (self.lost, "times lost"),

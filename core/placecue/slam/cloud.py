@@ -37,4 +37,4 @@ def thinned(points: Points, cell: float) -> Points:
     cells = np.floor(points / cell).astype(np.int64)
     keys = cells[:, 0] * (1 << 32) + cells[:, 1]
     _, first = np.unique(keys, return_index=True)
-    return points[np.sort(first)]
+    return np.asarray(points[np.sort(first)])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +38,12 @@ class Keyframe:
 
 def small(scan: LaserScan) -> LaserScan:
     """Return a scan whose lengths take 32 bits each, which is finer than any scanner."""
-    ranges = np.asarray(scan.ranges, dtype=np.float32)
+    ranges: Any = np.asarray(scan.ranges, dtype=np.float32)
     return LaserScan(scan.angles, ranges, scan.range_min, scan.range_max, scan.mount)
 
 
 def joined(
-    keyframes: list[Keyframe],
+    keyframes: Sequence[Keyframe],
     poses: NDArray[np.float64],
     numbers: Iterable[int],
     cell: float = CELL,
@@ -51,7 +52,7 @@ def joined(
 
     Parameters
     ----------
-    keyframes : list of Keyframe
+    keyframes : sequence of Keyframe
         All.
     poses : ndarray, shape (len(keyframes), 3)
         Their poses.

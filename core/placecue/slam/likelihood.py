@@ -89,8 +89,8 @@ class Field:
             at = int(scores.argmax())
             if scores.flat[at] > best.score:
                 row, column = divmod(at, len(offsets))
-                pose = start + [offsets[column], offsets[row], 0.0]
-                best = Found(np.asarray(pose), float(scores.flat[at]))
+                pose = start + np.array([offsets[column], offsets[row], 0.0])
+                best = Found(pose, float(scores.flat[at]))
         return best
 
     def _cells(self, points: Array) -> NDArray[np.int64]:

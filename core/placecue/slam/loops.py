@@ -90,6 +90,10 @@ class LoopFinder:
         self._closed = way
         self._waiting.clear()
 
+    def refused(self) -> None:
+        """Say that what was found contradicts the rest; it confirms nothing any more."""
+        self._waiting.clear()
+
     def _confirmed(self, loop: Loop, poses: NDArray[np.float64]) -> list[Loop]:
         agreeing = [each for each in self._waiting if agree(each, loop, poses)]
         self._waiting.append(loop)
@@ -158,7 +162,7 @@ def verified(
     if share < SHARE or untold > 1:
         return None
     covariance = np.linalg.inv(information + np.diag(WORST**-2)) + np.diag(BEST**2)
-    return Loop(earlier, later, between(poses[earlier], match.pose), covariance)
+    return Loop(earlier, later, between(poses[earlier], match.pose), np.asarray(covariance))
 
 
 def _candidates(

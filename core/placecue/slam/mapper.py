@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import hypot
 
 import numpy as np
@@ -16,7 +17,7 @@ from placecue.slam.keyframes import Keyframe, joined, small
 from placecue.slam.likelihood import Field
 from placecue.slam.loops import LoopFinder
 from placecue.slam.matching import Target
-from placecue.slam.motion import Motion, Step
+from placecue.slam.motion import Motion, Step, unmeasured
 from placecue.slam.planar import Array, array_of, between, carried, compose, pose_of
 from placecue.slam.pose_graph import PoseGraph
 from placecue.slam.trajectory import Trajectory
@@ -34,12 +35,12 @@ SHARE = 0.45
 ASTRAY, DEVIATIONS = 0.3, 4.0
 #: Where it does not, poses so far around are tried: m with odometry, m without, and rad.
 REACH, WIDE_REACH, TURN = 0.6, 1.0, 0.4
-#: A robot that moved less than this, m and rad, since its scan was laid on the map has not moved,
-#: for so long, s, as odometry is believed when it says so.
-STILL, STILL_TURN, BELIEVED = 0.02, 0.01, 0.5
+#: A robot that moved less than this, m and rad, by its odometry since a scan was laid on the map
+#: stands, if half of its beams have changed by less than this, m.
+STILL, STILL_TURN, CHANGED = 0.02, 0.01, 0.03
 #: After so many scans in a row that lie on nothing the map is begun anew, tied to what is there by
 #: this, m, m, rad.
-MISSES, TIE = 8, np.array([2.0, 2.0, 0.5])
+MISSES, TIE = 6, np.array([2.0, 2.0, 0.5])
 #: Late news of poses that moved less than this, m and rad, is kept back.
 NEWS, NEWS_TURN = 0.02, 0.005
 #: The least that a pose may be off from the one before, m, m, rad.
@@ -85,7 +86,8 @@ class Mapper:
         self._stamp = 0
         self._way = 0.0
         self._moved = np.zeros(2)  # m and rad since a scan was laid on the map
-        self._laid = 0  # when that was
+        self._laid: LaserScan | None = None  # that scan
+        self._laid_at = 0  # its time
         self._misses = 0
         self._told: NDArray[np.float64] = np.empty((0, 3))  # keyframes as they were told last
 
@@ -169,14 +171,20 @@ class Mapper:
     def _see(self, scan: LaserScan, step: Step) -> None:
         """Lay a scan on the map, and take the pose from there."""
         self.account.scans += 1
-        if step.measured and self._stands():
-            self.account.still += 1
-            return
+        measured = step.measured
+        if measured and self._has_not_moved():
+            if alike(self._laid, scan):
+                self.account.still += 1
+                return
+            self.account.stopped += 1
+            measured = False
+            since = (self._stamp - self._laid_at) * 1e-9
+            self._covariance = self._covariance + unmeasured(since)
         cloud = cloud_of(scan)
         if len(cloud) < FEWEST:
             self.account.few += 1
             return
-        estimate = self._laid_on_map(cloud, step.measured)
+        estimate = self._laid_on_map(cloud, measured)
         if estimate is None:
             self.account.unmatched += 1
             self._misses += 1
@@ -185,11 +193,13 @@ class Mapper:
         self.account.matched += 1
         self.account.untold += estimate.untold > 0
         self._pose, self._covariance = estimate.pose, estimate.covariance
-        self._moved[:], self._laid = 0.0, self._stamp
+        self._note(scan)
 
-    def _stands(self) -> bool:
-        moved = self._moved[0] > STILL or self._moved[1] > STILL_TURN
-        return not moved and self._stamp - self._laid < BELIEVED * 1e9
+    def _note(self, scan: LaserScan) -> None:
+        self._moved[:], self._laid, self._laid_at = 0.0, scan, self._stamp
+
+    def _has_not_moved(self) -> bool:
+        return bool(self._moved[0] <= STILL and self._moved[1] <= STILL_TURN)
 
     def _laid_on_map(self, cloud: Points, measured: bool) -> Estimate | None:
         assert self._pose is not None
@@ -204,7 +214,7 @@ class Mapper:
                 return estimate
         return None
 
-    def _guesses(self, cloud: Points, measured: bool):  # type: ignore[no-untyped-def]
+    def _guesses(self, cloud: Points, measured: bool) -> Iterator[Array]:
         """Yield where the scan may lie: where it is expected, else where a search puts it."""
         assert self._pose is not None
         yield self._pose
@@ -215,7 +225,7 @@ class Mapper:
 
     def _believable(self, off: Array) -> bool:
         sure = np.sqrt(np.linalg.eigvalsh(self._covariance[:2, :2])[-1])
-        return hypot(off[0], off[1]) <= max(ASTRAY, DEVIATIONS * sure)
+        return bool(hypot(off[0], off[1]) <= max(ASTRAY, DEVIATIONS * sure))
 
     # ------------------------------------------------------------------ the map
 
@@ -224,7 +234,7 @@ class Mapper:
             return False
         step = between(self.poses[-1], self._pose)
         far = hypot(step[0], step[1]) >= SPACING or abs(step[2]) >= TURNING
-        return far or self._misses >= MISSES
+        return bool(far) or self._misses >= MISSES
 
     def _add_keyframe(self, scan: LaserScan) -> None:
         cloud = cloud_of(scan)
@@ -247,7 +257,7 @@ class Mapper:
         self.keyframes.append(kept)
         self._told = np.vstack([self._told, self._pose])
         self._covariance = np.diag(FLOOR**2)
-        self._moved[:], self._laid = 0.0, self._stamp
+        self._note(scan)
         self._look_around()
 
     def _close_loops(self) -> None:
@@ -259,6 +269,7 @@ class Mapper:
                 kept += 1
             else:
                 self.account.refused += 1
+                self._loops.refused()
         if kept:
             self.account.loops += kept
             self._loops.closed(self._way)
@@ -285,3 +296,13 @@ class Mapper:
         stamps = np.array([keyframe.stamp for keyframe in self.keyframes], dtype=np.int64)
         before, self._told = self._told, self.poses.copy()
         return Correction(stamps, before, self._told)
+
+
+def alike(one: LaserScan | None, other: LaserScan) -> bool:
+    """Tell whether two scans are of a robot that has not moved: half of the beams are as long."""
+    if one is None or len(one.ranges) != len(other.ranges):
+        return False
+    both = one.valid() & other.valid()
+    if not both.any():
+        return not (one.valid().any() or other.valid().any())
+    return bool(np.median(np.abs(one.ranges[both] - other.ranges[both])) < CHANGED)

@@ -17,8 +17,8 @@ SLACK, SLACK_TURN = 0.5, 0.5
 #: Odometry errs by a share of the way and of the turn, by so much heading a metre (rad/m), and by
 #: a little anyway (m, rad).
 WAY, TURN, VEER, LEAST, LEAST_TURN = 0.08, 0.08, 0.04, 0.003, 0.002
-#: A robot without odometry may change its speed and its turning by so much, m/s² and rad/s².
-CHANGE, CHANGE_TURN = 1.0, 2.0
+#: A robot without odometry goes otherwise than it did by so much, m/s and rad/s.
+CHANGE, CHANGE_TURN = 0.5, 0.6
 #: So long, s, it is taken to go on as it did.
 LONGEST_GUESS = 1.0
 
@@ -79,11 +79,22 @@ class Motion:
         self._speed = motion / seconds if seconds > 1e-3 else self._speed
 
     def _guess(self, seconds: float, jumped: bool) -> Step:
-        time = min(seconds, LONGEST_GUESS)
-        way, turn = LEAST + 0.5 * CHANGE * time**2, LEAST_TURN + 0.5 * CHANGE_TURN * time**2
-        way, turn = way + 0.3 * time, turn + 0.3 * time
-        covariance = np.diag([way**2, way**2, turn**2])
-        return Step(self._speed * time, covariance, measured=False, jumped=jumped)
+        motion = self._speed * min(seconds, LONGEST_GUESS)
+        return Step(motion, unmeasured(seconds), measured=False, jumped=jumped)
+
+
+def unmeasured(seconds: float) -> Array:
+    """Return how unsure a motion is that nobody has measured, shape (3, 3).
+
+    Parameters
+    ----------
+    seconds : float
+        How long it took.
+    """
+    time = min(seconds, LONGEST_GUESS)
+    way = LEAST + CHANGE * time
+    turn = LEAST_TURN + CHANGE_TURN * time
+    return np.diag([way**2, way**2, turn**2])
 
 
 def _jumps(motion: Array, seconds: float) -> bool:

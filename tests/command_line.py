@@ -51,7 +51,7 @@ def script(*words: str, **environment: str) -> Told:
         [SCRIPT, *words],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         env={**os.environ, **environment},
         check=False,
     )

@@ -20,7 +20,7 @@ def test_the_library_example_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for run in (1, 2):
-        source = Office(run=run, rate=1.0)
+        source = Office(run=run, rate=1.0, width=80, height=60)
         with McapWriter(f"run{run}.mcap") as writer:
             written = copy(source, writer)
     [example] = re.findall(

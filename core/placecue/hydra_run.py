@@ -35,6 +35,7 @@ from placecue.components.hooks import Kind
 from placecue.components.manager import current_plugins
 from placecue.components.options import BUILT_IN_CONFIGS, register_with_hydra
 from placecue.components.searches import check_opened, opened
+from placecue.composed_once import VERSION_BASE, run_once
 from placecue.errors import PlacecueError, UsageError, choices, told
 from placecue.limits import limited
 from placecue.words import as_typed
@@ -111,9 +112,10 @@ def _sweep_folder(words: list[str]) -> Iterator[list[str]]:
 
 
 def _enter(task: Task, given: list[str]) -> int:
-    entry = hydra.main(version_base="1.3", config_path=BUILT_IN_CONFIGS, config_name=task.command)
     try:
-        entry(task)()
+        if not run_once(task, task.command, BUILT_IN_CONFIGS, sys.argv[1:]):
+            entry = hydra.main(BUILT_IN_CONFIGS, task.command, VERSION_BASE)
+            entry(task)()
     except SystemExit as done:
         if task.error is None:
             return done.code if isinstance(done.code, int) else 0  # --help and the like
@@ -373,7 +375,7 @@ def _places_of(name: str, node: DictConfig) -> list[str]:
 def _node(command: str, overrides: list[str], parent: str) -> DictConfig:
     """Return what stands at a place in the config of a command; empty where nothing does."""
     with hydra.initialize_config_module(
-        version_base="1.3", config_module=BUILT_IN_CONFIGS.removeprefix("pkg://")
+        version_base=VERSION_BASE, config_module=BUILT_IN_CONFIGS.removeprefix("pkg://")
     ):
         try:
             config = hydra.compose(command, overrides)

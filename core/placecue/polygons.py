@@ -49,23 +49,26 @@ def outlines(mask: NDArray[np.bool_]) -> list[list[list[Corner]]]:
     list of list of rings
         Polygons in order of size, each an outline and holes, of corners (x, y).
     """
+    from scipy.ndimage import label  # here: not every command comes to it
+
     rings = _rings(_sides(mask))
-    outer = sorted((ring for ring in rings if area_of(ring) > 0), key=area_of, reverse=True)
-    polygons = [[ring] for ring in outer]
-    for hole in (ring for ring in rings if area_of(ring) < 0):
-        inside = _beside(hole)
-        around = [
-            each for each in polygons if crossings(np.array(each[0], np.float64), *inside) % 2
-        ]
-        min(around, key=lambda each: area_of(each[0])).append(hole)
-    return polygons
+    sizes = [area_of(ring) for ring in rings]
+    outer = sorted((-size, row) for row, size in enumerate(sizes) if size > 0)
+    parts, _ = label(mask)
+    polygons = {parts[_beside(rings[row])]: [rings[row]] for _, row in outer}
+    for ring, size in zip(rings, sizes, strict=True):
+        if size < 0:
+            polygons[parts[_beside(ring)]].append(ring)
+    return list(polygons.values())
 
 
-def _beside(hole: Sequence[Corner]) -> tuple[float, float]:
-    """Return a point just outside a hole: within the polygon that it is a hole in."""
-    (x0, y0), (x1, y1) = hole[0], hole[1]
-    dx, dy = np.sign(x1 - x0), np.sign(y1 - y0)
-    return x0 + dx * 0.5 - dy * 0.5, y0 + dy * 0.5 + dx * 0.5
+def _beside(ring: Sequence[Corner]) -> tuple[int, int]:
+    """Return the row and column of a cell to the left of a ring: of the polygon that it bounds."""
+    (x0, y0), (x1, y1) = ring[0], ring[1]
+    right, up = x1 > x0, y1 > y0
+    if y0 == y1:
+        return (y0, x0) if right else (y0 - 1, x0 - 1)
+    return (y0, x0 - 1) if up else (y0 - 1, x0)
 
 
 def _sides(mask: NDArray[np.bool_]) -> dict[Corner, list[Corner]]:
@@ -87,13 +90,13 @@ def _sides(mask: NDArray[np.bool_]) -> dict[Corner, list[Corner]]:
 
 def _rings(sides: dict[Corner, list[Corner]]) -> list[list[Corner]]:
     rings = []
-    while sides:
-        start = min(sides)
-        ring, at, before = [start], _next(sides, start, None), start
-        while at != start:
-            ring.append(at)
-            at, before = _next(sides, at, before), at
-        rings.append(_straightened(ring))
+    for start in sorted(sides):
+        while start in sides:
+            ring, at, before = [start], _next(sides, start, None), start
+            while at != start:
+                ring.append(at)
+                at, before = _next(sides, at, before), at
+            rings.append(_straightened(ring))
     return rings
 
 

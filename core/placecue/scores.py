@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
-from functools import partial
+from functools import lru_cache, partial
 from itertools import combinations
 from typing import Any, ClassVar
 
@@ -258,18 +258,18 @@ class OneAgainstOne(Layout):
 
     @property
     def columns(self) -> tuple[str, ...]:  # noqa: D102
-        return tuple(f"{self.classes[i]}|{self.classes[j]}" for i, j in self.pairs)
+        return _pair_columns(self.classes)
 
     def of_preference(self, preference: Values) -> Values:
         """Return by how much the first class of each pair is preferred to the second."""
-        first, second = np.array(self.pairs).T
+        first, second = _pair_indices(len(self.classes))
         return np.asarray(preference[:, first] - preference[:, second])
 
     def margins(self, values: Values) -> Values:
         """Return margin[s, i, j], by how much class i beats class j, shape (n, M, M)."""
         m = len(self.classes)
         table = np.zeros((len(values), m, m))
-        first, second = np.array(self.pairs).T
+        first, second = _pair_indices(m)
         table[:, first, second] = values
         table[:, second, first] = -values
         return table
@@ -282,7 +282,8 @@ class OneAgainstOne(Layout):
         level = votes[:, :, None] == votes[:, None, :]
         second = (wins & level).sum(axis=2)
         other = level & (second[:, :, None] == second[:, None, :])
-        other &= ~np.eye(len(self.classes), dtype=bool)
+        m = len(self.classes)
+        other[:, range(m), range(m)] = False
         worst = np.where(other, margins, np.inf).min(axis=2)
         order = np.lexsort((worst, second, votes), axis=1)
         ranks = np.empty_like(order)
@@ -294,6 +295,18 @@ class OneAgainstOne(Layout):
         won = np.take_along_axis(margins, ranking[:, :1, None], axis=1)[:, 0]
         np.put_along_axis(won, ranking[:, :1], np.inf, axis=1)
         return np.asarray(won.min(axis=1))
+
+
+# Asked for at every observation, where they would take as long as the sums.
+@lru_cache(maxsize=256)
+def _pair_columns(classes: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"{one}|{other}" for one, other in combinations(classes, 2))
+
+
+@lru_cache(maxsize=256)
+def _pair_indices(m: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    first, second = np.triu_indices(m, k=1)
+    return read_only(first), read_only(second)
 
 
 def promised(made: Any, n: int, classes: int) -> str | None:

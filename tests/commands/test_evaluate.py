@@ -7,12 +7,16 @@ import fcntl
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from browser import ran
 from command_line import placecue, script, succeeds
+from placecue.evaluation.results.store import ResultStore
 from rooms import Rooms, write_log
 
+#: One method, for what does not depend on methods.
+LASER = ["cue=laser", "integrator=none"]
 FEW = ["cues.laser.classifier.search.gamma=[0.01]", "cues.crfh.classifier.search.gamma=[1]"]
 
 
@@ -89,7 +93,7 @@ def test_the_report_is_made_again_without_the_logs(evaluated: Path, tmp_path: Pa
 
 
 def test_runs_are_merged(four: list[Path], tmp_path: Path) -> None:
-    words = ["cue=laser", "integrator=none", FEW[0], "executor=none", f"logs={four[0].parent}"]
+    words = [*LASER, FEW[0], "executor=none", f"logs={four[0].parent}", "figures=[]"]
     for light in ("day", "night"):
         pairs = f"pairs={{of {light}: {{same: [light], where: {{light: {light}}}}}}}"
         where = "conditions.pattern='(?P<light>[a-z]+)'"
@@ -106,14 +110,14 @@ def test_runs_are_merged(four: list[Path], tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["log=[{0},nowhere.mcap]"], "nowhere.mcap"),
-        (["log={0}"], "one recording (day0) makes no pair of two"),
-        (["log=[{0},{1}]", "pairs={{same: [light]}}"], "asks for 'light'"),
-        (["log=[{0},{1}]", "pairs=[[day0,day7]]"], "names a recording 'day7'"),
-        (["log=[{0},{1}]", "only=[sift]"], "only: no method 'sift'"),
-        (["log=[{0},{1}]", "figures=[{{name: a, kind: pie}}]"], "is of no kind 'pie'"),
-        (["log=[{0},{1}]", "every=0"], "every"),
-        (["logs=nowhere"], "logs=nowhere is no folder"),
+        ([*LASER, "log=[{0},nowhere.mcap]"], "nowhere.mcap"),
+        ([*LASER, "log={0}"], "one recording (day0) makes no pair of two"),
+        ([*LASER, "log=[{0},{1}]", "pairs={{same: [light]}}"], "asks for 'light'"),
+        ([*LASER, "log=[{0},{1}]", "pairs=[[day0,day7]]"], "names a recording 'day7'"),
+        ([*LASER, "log=[{0},{1}]", "only=[sift]"], "only: no method 'sift'"),
+        ([*LASER, "log=[{0},{1}]", "figures=[{{name: a, kind: pie}}]"], "is of no kind 'pie'"),
+        ([*LASER, "log=[{0},{1}]", "every=0"], "every"),
+        ([*LASER, "logs=nowhere"], "logs=nowhere is no folder"),
         (["experiment=nothing"], "unknown experiment 'nothing'"),
         ([], "no recordings to evaluate on"),
     ],
@@ -156,8 +160,17 @@ def test_a_folder_of_something_else_is_not_written_into(four: list[Path], tmp_pa
     assert "is not empty (notes.txt)" in told.line
 
 
-def test_as_a_process_with_workers(four: list[Path], tmp_path: Path) -> None:
-    words = ["cue=laser", "integrator=none", FEW[0], "executor.jobs=2"]
+def test_as_a_process_its_workers_give_the_same_to_the_bit(
+    evaluated: Path, four: list[Path], tmp_path: Path
+) -> None:
+    words = ["cue=[laser,crfh]", "integrator=[gdas]", *FEW, "executor.jobs=2"]
     told = script("evaluate", listed(four[:2]), *words, f"out={tmp_path / 'out'}")
     assert told.status == 0, told.err
-    assert len(rows(tmp_path / "out")) == 2
+    assert len(rows(tmp_path / "out")) == 6
+    ours, theirs = ResultStore(tmp_path / "out"), ResultStore(evaluated)
+    digests = [path.stem for path in ours.folder.glob("*.npz")]
+    assert len(digests) == 6
+    for digest in digests:
+        found, expected = ours.load(digest), theirs.load(digest)
+        np.testing.assert_array_equal(found.decided, expected.decided)
+        np.testing.assert_array_equal(found.confidence, expected.confidence)

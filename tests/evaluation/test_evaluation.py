@@ -197,12 +197,10 @@ def test_a_changed_parameter_is_computed_anew_and_nothing_else(four, paths):
     assert executor.tasks.count("train_and_score") == 4
 
 
-def test_dask_and_loky_give_the_same_to_the_bit(four, paths, tmp_path):
+def test_dask_gives_the_same_to_the_bit(four, paths, tmp_path):
     pytest.importorskip("distributed", reason="placecue[dask] is not installed")
-    for chosen in ({"name": "dask", "workers": 2}, {"name": "loky", "jobs": 2}):
-        out = tmp_path / chosen["name"]
-        with executor_of({"executor": chosen}) as executor:
-            same(four[1], run(evaluation(out, paths), executor))
+    with executor_of({"executor": {"name": "dask", "workers": 2}}) as executor:
+        same(four[1], run(evaluation(tmp_path, paths), executor))
 
 
 def test_killed_at_random_moments_it_ends_with_the_same_numbers(four, paths, tmp_path):

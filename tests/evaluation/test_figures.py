@@ -22,6 +22,7 @@ from placecue.errors import DataError, UsageError
 from placecue.evaluation.figures.make import KINDS, check, drawn, make, make_all
 from placecue.evaluation.figures.ranks import alike
 from placecue.evaluation.figures.significance import parts
+from placecue.evaluation.figures.spec import of_methods
 from placecue.evaluation.results.results import Results
 
 ALL = "CRFH + SIFT + L-SVM"
@@ -223,7 +224,7 @@ def test_every_kind_is_written(kind, results, about, tmp_path):
     told = spec(kind, title="50 % of what & how", methods=asked, experiments=["Exp 1", "Exp 4"])
     made = make(told, results, about, tmp_path)
     ends = {path.suffix: path for path in made.files}
-    assert set(ends) == {".csv", ".tex"} | ({".png", ".pdf"} if made.drawn.figure else set())
+    assert set(ends) == {".csv", ".tex", ".md"} | ({".png", ".pdf"} if made.drawn.figure else set())
     assert sorted(tmp_path.iterdir()) == sorted(made.files)
     assert len(list(csv.reader(ends[".csv"].open()))) > 1
     tex = ends[".tex"].read_text()
@@ -273,6 +274,23 @@ def test_methods_may_be_called_otherwise(results, about):
     assert [row[0] for row in made.table.rows] == ["colours", "SIFT OaO"]
     assert [row["method"] for row in numbers(made)] == SOME[:2]
     assert "colours" in [text.get_text() for text in texts(made.figure)]
+
+
+def test_of_some_methods_what_names_none_of_them_is_left_out():
+    asked = [
+        {"name": "1", "kind": "bars", "methods": ["a", "b"], "names": {"a": "A", "b": "B"}},
+        {"name": "2", "kind": "bars", "groups": {"x": {"one": "a"}, "y": {"one": "c"}}},
+        {"name": "3", "kind": "bars", "methods": ["c"]},
+        {"name": "4", "kind": "summary"},
+        {"name": "5", "kind": "significance", "pairs": [["a", "b"], ["a", "c"]]},
+    ]
+    assert of_methods(asked, ["a", "b"]) == [
+        asked[0],
+        {"name": "2", "kind": "bars", "groups": {"x": {"one": "a"}}},
+        asked[3],
+        {"name": "5", "kind": "significance", "pairs": [["a", "b"]]},
+    ]
+    assert of_methods(asked[:1], ["b"])[0]["names"] == {"b": "B"}
 
 
 def test_fewer_pairs_are_told(results, about):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from placecue_office import atlas
 from placecue_office.arrange import rescattered
 from placecue_office.atlas import AtlasBuilder
 from placecue_office.camera import blurred
@@ -129,6 +130,7 @@ def test_what_a_picture_shows_does_not_depend_on_what_else_is_drawn() -> None:
     second.look("bookshelf #805030", 1.0, 2.0, key=9)
     second.look("wood #906030", 1.0, 1.0)
     for builder in (alone, second):
+        atlas._picture.cache_clear()
         builder.look("poster #c0c0c0", 0.7, 0.9, key=4, face=1)
     texels, starts, _, _ = alone.pack()
     others, begins, _, _ = second.pack()

@@ -33,6 +33,7 @@ from placecue.components.manager import Plugins, current_plugins
 from placecue.components.searches import opened
 from placecue.errors import DataError, UsageError
 from placecue.evaluation.executors.backends import executor_of
+from placecue.evaluation.figures.spec import of_methods
 from placecue.evaluation.protocol.bench import Bench
 from placecue.evaluation.protocol.evaluation import Evaluation, check_some
 from placecue.evaluation.protocol.methods import Methods, methods_of, specs_of_words
@@ -139,14 +140,19 @@ def _about(config: Mapping[str, Any], run: Evaluation, plugins: Plugins, began: 
         methods=_told(run.methods),
         experiments=_counts(run),
         digests=list(run.digests.values()),
-        # Of some methods only, what the experiment draws of all makes no sense.
-        figures=[] if config["only"] else config["figures"] or [],
-        tables=[] if config["only"] else config["tables"] or [],
+        figures=_drawn(config, "figures", run.methods),
+        tables=_drawn(config, "tables", run.methods),
         paper=config["paper"],
         versions=versions(plugins),
         command=" ".join(["placecue evaluate", *HydraConfig.get().overrides.task]),
         began=began,
     )
+
+
+def _drawn(config: Mapping[str, Any], key: str, methods: Methods) -> Sequence[Mapping[str, Any]]:
+    """Return what the experiment draws; of some methods only where ``only`` picks them."""
+    asked = config[key] or []
+    return of_methods(asked, methods.names) if config["only"] else asked
 
 
 def _title(config: Mapping[str, Any], methods: Methods) -> str:

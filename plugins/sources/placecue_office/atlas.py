@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 from zlib import crc32
 
@@ -13,9 +14,15 @@ from placecue_office.pictures import PICTURES
 from placecue_office.surfaces import SURFACES
 
 Sizes: TypeAlias = NDArray[np.int64]
+Colour: TypeAlias = tuple[int, ...]
+#: A texture at every size.
+Pyramid: TypeAlias = tuple[NDArray[np.uint8], ...]
 
 #: Sizes that each texture is kept at.
 LEVELS = 10
+
+#: Textures that a process keeps, of each sort: recordings of one world share nearly all of theirs.
+KEPT = 512
 
 #: Sets the draws of repeating surfaces apart from those of pictures.
 _SURFACE = 2**31
@@ -58,7 +65,7 @@ class AtlasBuilder:
         self.seed = seed
         self.resolution = resolution
         self.size = size
-        self._pyramids: list[list[NDArray[np.uint8]]] = []
+        self._pyramids: list[Pyramid] = []
         self._known: dict[str, Look] = {}
 
     def look(self, material: str, width: float, height: float, key: int = 0, face: int = 0) -> Look:
@@ -85,20 +92,16 @@ class AtlasBuilder:
         if name not in PICTURES:
             raise DataError(f"no material '{name}': {choices(name, [*SURFACES, *PICTURES])}")
         rows, columns = (_power_of_two(metres * self.resolution) for metres in (height, width))
-        texture = self._add(PICTURES[name](self._rng(key, face), colour, rows, columns))
+        texture = self._add(_picture(self.seed, key, face, name, colour, rows, columns))
         return Look(texture, 1.0 / width, 1.0 / height)
 
-    def _surface(self, name: str, colour: NDArray[np.float64]) -> Look:
+    def _surface(self, name: str, colour: Colour) -> Look:
         surface = SURFACES[name]
-        rng = self._rng(_SURFACE, crc32(name.encode()), *colour.astype(int).tolist())
-        texture = self._add(surface.draw(rng, colour, self.size * surface.finer))
+        texture = self._add(_repeating(self.seed, name, colour, self.size))
         return Look(texture, 1.0 / surface.metres, 1.0 / (surface.tall or surface.metres))
 
-    def _rng(self, *key: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, *key])
-
-    def _add(self, drawn: NDArray[np.float64]) -> int:
-        self._pyramids.append(_pyramid(drawn))
+    def _add(self, pyramid: Pyramid) -> int:
+        self._pyramids.append(pyramid)
         return len(self._pyramids) - 1
 
     def pack(self) -> tuple[NDArray[np.uint8], Sizes, Sizes, Sizes]:
@@ -111,10 +114,25 @@ class AtlasBuilder:
         return texels, starts, sizes[..., 1].copy(), sizes[..., 0].copy()
 
 
-def _parse(material: str) -> tuple[str, NDArray[np.float64]]:
+@lru_cache(KEPT)
+def _repeating(seed: int, name: str, colour: Colour, size: int) -> Pyramid:
+    surface = SURFACES[name]
+    rng = np.random.default_rng([seed, _SURFACE, crc32(name.encode()), *colour])
+    return _pyramid(surface.draw(rng, np.array(colour, dtype=float), size * surface.finer))
+
+
+@lru_cache(KEPT)
+def _picture(
+    seed: int, key: int, face: int, name: str, colour: Colour, rows: int, columns: int
+) -> Pyramid:
+    rng = np.random.default_rng([seed, key, face])
+    return _pyramid(PICTURES[name](rng, np.array(colour, dtype=float), rows, columns))
+
+
+def _parse(material: str) -> tuple[str, Colour]:
     name, _, colour = material.partition(" #")
     try:
-        return name, np.array(list(bytes.fromhex(colour or "c8c8c8")), dtype=float)
+        return name, tuple(bytes.fromhex(colour or "c8c8c8"))
     except ValueError as error:
         raise DataError(f"the colour of material '{material}' is not like #b08050") from error
 
@@ -123,7 +141,7 @@ def _power_of_two(pixels: float) -> int:
     return int(2 ** np.clip(np.round(np.log2(max(pixels, 1.0))), 4, 9))
 
 
-def _pyramid(drawn: NDArray[np.float64]) -> list[NDArray[np.uint8]]:
+def _pyramid(drawn: NDArray[np.float64]) -> Pyramid:
     """Return the texture at LEVELS sizes, each half the one before, the last ones 1 x 1."""
     levels, image = [], drawn
     for _ in range(LEVELS):
@@ -132,4 +150,4 @@ def _pyramid(drawn: NDArray[np.float64]) -> list[NDArray[np.uint8]]:
             image = 0.5 * (image[::2] + image[1::2])
         if image.shape[1] > 1:
             image = 0.5 * (image[:, ::2] + image[:, 1::2])
-    return levels
+    return tuple(levels)

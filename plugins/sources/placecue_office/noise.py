@@ -22,8 +22,8 @@ def value_noise(rng: np.random.Generator, rows: int, columns: int, cells: tuple[
     lattice = rng.random(cells)
     top, bottom, down = _lattice_steps(rows, cells[0])
     left, right, across = _lattice_steps(columns, cells[1])
-    upper = lattice[top][:, left] * (1 - across) + lattice[top][:, right] * across
-    lower = lattice[bottom][:, left] * (1 - across) + lattice[bottom][:, right] * across
+    rows_of_lattice = lattice[:, left] * (1 - across) + lattice[:, right] * across
+    upper, lower = rows_of_lattice[top], rows_of_lattice[bottom]
     return np.asarray(upper * (1 - down[:, None]) + lower * down[:, None])
 
 

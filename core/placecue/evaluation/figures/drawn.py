@@ -57,7 +57,7 @@ class Drawn:
         return text.getvalue()[text.getvalue().index("<svg") :]
 
     def save(self, folder: Path, stem: str) -> list[Path]:
-        """Write PNG, PDF, CSV and LaTeX into a folder, and return the files.
+        """Write PNG, PDF, CSV, LaTeX and Markdown into a folder, and return the files.
 
         Raises
         ------
@@ -69,4 +69,5 @@ class Drawn:
             written += [save_picture(self.figure, folder / f"{stem}.{end}") for end in PICTURES]
         written.append(write_text(folder / f"{stem}.csv", self.numbers.csv()))
         written.append(write_text(folder / f"{stem}.tex", self.table.latex()))
+        written.append(write_text(folder / f"{stem}.md", self.table.markdown()))
         return written

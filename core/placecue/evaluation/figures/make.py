@@ -68,7 +68,7 @@ class Made:
     drawn : Drawn
         The picture and its numbers.
     files : sequence of Path
-        PNG, PDF, CSV, LaTeX, as far as there are.
+        PNG, PDF, CSV, LaTeX, Markdown, as far as there are.
     """
 
     spec: Spec

@@ -167,6 +167,34 @@ def asked_methods(told: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys(named))
 
 
+def of_methods(
+    specs: Iterable[Mapping[str, Any]], there: Collection[str]
+) -> list[Mapping[str, Any]]:
+    """Return what is asked for, of some methods only; what names none of them is left out."""
+    return [
+        _of_methods(told, there)
+        for told in specs
+        if not asked_methods(told) or set(asked_methods(told)) & set(there)
+    ]
+
+
+def _of_methods(told: Mapping[str, Any], there: Collection[str]) -> Mapping[str, Any]:
+    made = dict(told)
+    if told.get("methods"):
+        made["methods"] = [each for each in told["methods"] if each in there]
+    if told.get("names"):
+        made["names"] = {key: each for key, each in told["names"].items() if key in there}
+    if told.get("groups"):
+        groups = {
+            name: {bar: each for bar, each in bars.items() if each in there}
+            for name, bars in told["groups"].items()
+        }
+        made["groups"] = {name: bars for name, bars in groups.items() if bars}
+    if told.get("pairs"):
+        made["pairs"] = [pair for pair in told["pairs"] if set(pair) <= set(there)]
+    return made
+
+
 def _known(asked: Iterable[str], there: Collection[str], complaint: str, what: str) -> None:
     for each in asked:
         if each not in there:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.belief import Belief
+from placecue.correction import Correction
 from placecue.estimator import Estimator
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import AreaUpdate as AreaUpdate
@@ -112,6 +113,18 @@ class Accumulator(Estimator, ABC):
     @abstractmethod
     def reset(self) -> None:
         """Forget everything, as before the first observation."""
+
+    def corrected(self, correction: Correction) -> None:
+        """Move what has a position: the poses of earlier observations are known better now.
+
+        Called before the :meth:`update` with the first observation that is told in the new poses.
+        The default keeps everything where it is, which is right for what has no position.
+
+        Parameters
+        ----------
+        correction : Correction
+            Where each moment of the way was put, and where it is now.
+        """
 
     def warnings(self) -> list[str]:
         """Return what a person should know of the map before trusting it, a line each."""

@@ -218,6 +218,8 @@ class Pipeline:
         accumulator made of it; ``accumulator.semantic_map()`` is the map so far.
         """
         for observation, belief in self.follow(observations, batch):
+            if observation.correction is not None:
+                call(accumulator, "corrected", observation.correction, at=observation)
             update = call(  # accumulate
                 accumulator, "update", observation, belief, check=area_update, at=observation
             )

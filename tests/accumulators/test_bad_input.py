@@ -131,6 +131,7 @@ def test_an_area_that_swallows_the_drive_is_told():
     (told,) = accumulator.warnings()
     assert told.startswith("area 0 (kitchen) covers 100 % of the way, and only 3")
     assert "\n" not in told
+    assert told.endswith("compare accumulator=crf, which labels node by node and needs no boundary")
     alike = SpatioTemporal(Door())
     through(alike, np.arange(-8, 4, 0.1), lambda x: says("office"), scans=lambda x: False)
     assert alike.warnings() == []
@@ -146,9 +147,9 @@ def test_an_hour_of_standing_and_rounds_over_known_ground_hold_nothing_more():
             pose = Pose2D(4.0 if turn % 2 == 0 else -4.0, 0.0, 0.0)
             accumulator.update(Observation((turn * 1000 + 100 + i) * SECOND, pose=pose), belief)
         made = accumulator.semantic_map()
-        evidence = accumulator.boundaries_.each[1]
+        evidence = accumulator.journey_.boundaries.each[1]
         assert len(evidence.stretches_) <= 6 / 0.2 + 2
-        assert len(accumulator.recent_.since(0)) <= 6 / 0.1 + 3
+        assert len(accumulator.journey_.recent.since(0)) <= 6 / 0.1 + 3
         held.append((len(made.nodes), len(made.edges), sum(len(a.trajectory) for a in made.areas)))
     assert held[-1] == held[2]
     assert len(made.areas) <= 3

@@ -139,8 +139,8 @@ def test_driving_in_circles_adds_nothing(floor):
         made = floor.semantic_map()
         held = sum(len(area.trajectory) for area in made.areas)
         sizes.append((len(made.areas), len(made.nodes), len(made.edges), held))
-        assert len(floor.of_area_) <= 31
-        assert len(floor.of_node_) <= 31
+        assert len(floor.journey_.of_area) <= 31
+        assert len(floor.journey_.of_node) <= 31
     assert sizes[1] == sizes[-1]
     assert [area.label for area in made.areas] == ["corridor", "office", "kitchen"]
 
@@ -279,7 +279,7 @@ def test_full_turns_lead_to_other_bins():
     wrapped = (headings + np.pi) % (2 * np.pi) - np.pi
     for i, theta in enumerate(wrapped):
         accumulator.update(Observation(i, pose=Pose2D(0, 0, float(theta))), says("office"))
-    assert len(accumulator.of_area_) == len(headings)
+    assert len(accumulator.journey_.of_area) == len(headings)
 
 
 def test_updates_are_given_one_at_a_time_and_none_is_lost():
@@ -295,7 +295,7 @@ def test_standing_between_two_nodes_heaps_up_no_updates():
     for i in range(500):
         pose = Pose2D(0.5 + 0.1 * (i % 2), 0, 0)
         accumulator.update(Observation(100 + i, pose=pose), says("office"))
-    assert len(accumulator.updates_) <= 2
+    assert len(accumulator.journey_.news) <= 2
 
 
 @pytest.mark.parametrize("pose", [None, Pose2D(np.nan, 0, 0), Pose2D(0, np.inf, 0)])

@@ -14,9 +14,16 @@ FEW_AGREE = 0.7
 
 
 class Doubts:
-    """Counts what speaks against a map while it grows."""
+    """Counts what speaks against a map while it grows.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    advice : str
+        What to do where one area covers most of the way though beliefs disagree.
+    """
+
+    def __init__(self, advice: str = "look at the single beliefs in its picture") -> None:
+        self.advice = advice
         self.labels: Counter[str] = Counter()
         self.jumps = 0
         self.frames: list[str] = []
@@ -67,5 +74,5 @@ class Doubts:
         return [
             f"area {largest.id} ({largest.label}) covers {100 * share:.0f} % of the way, and only "
             f"{100 * agree:.0f} % of the single beliefs say {largest.label}: places may be missing "
-            "from the map; try boundaries@accumulator.boundary=[door,evidence]"
+            f"from the map; {self.advice}"
         ]

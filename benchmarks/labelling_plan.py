@@ -140,7 +140,7 @@ def _drives() -> list[Test]:
             "clutter": CLUTTER,
             "beams": 181,
         }
-        dense, sparse = {"rate": 5.0, "samples": 2000}, {"rate": 1.0, "samples": 500}
+        dense, sparse = {"rate": 5.0, "samples": 1000}, {"rate": 1.0, "samples": 400}
         for kind, pace in {"dense": dense, "sparse": sparse}.items():
             model = f"plans without {name}"
             found.append(Test(f"{name}, {kind}", "tuning", model, {**drive, **pace}, dict(two)))

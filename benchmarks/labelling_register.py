@@ -155,7 +155,7 @@ def registered(points: Points, onto: ClassMap) -> Registration:
         for degrees in range(0, 360, 3)
     ]
     some = points[np.random.default_rng(0).permutation(len(points))[:5000]]
-    best = sorted(rough, key=lambda each: -each[0])[:8]
+    best = sorted(rough, key=lambda each: -each[0])[:6]
     fine = min((_refined(some, onto, start) for _, start in best), key=lambda each: each.error)
     distances = _distances(fine, points, onto)
     error, near = float(distances.mean()), float((distances < 0.2).mean())
@@ -163,14 +163,18 @@ def registered(points: Points, onto: ClassMap) -> Registration:
 
 
 def _refined(points: Points, onto: ClassMap, start: Registration) -> Registration:
-    def error(at: NDArray[np.float64]) -> float:
-        return float(_distances(Registration(*at), points, onto).mean())
+    """Move a registration to where end points lie nearest to walls, from afar and then closely."""
+    at = np.array([start.a, start.b, start.c, start.d, start.x, start.y])
+    for far in (4 * FAR, 2 * FAR, FAR):
 
-    first = np.array([start.a, start.b, start.c, start.d, start.x, start.y])
-    corners = np.array([first, *(first + np.diag([0.03] * 4 + [0.5] * 2))])
-    options = {"initial_simplex": corners, "maxiter": 1500, "xatol": 1e-4, "fatol": 1e-6}
-    found = minimize(error, first, method="Nelder-Mead", options=options)
-    return Registration(*map(float, found.x), error=float(found.fun))
+        def error(tried: NDArray[np.float64], far: float = far) -> float:
+            return float(_distances(Registration(*tried), points, onto, far).mean())
+
+        corners = np.array([at, *(at + np.diag([0.03] * 4 + [0.5] * 2))])
+        options = {"initial_simplex": corners, "maxiter": 1000, "xatol": 1e-4, "fatol": 1e-6}
+        found = minimize(error, at, method="Nelder-Mead", options=options)
+        at = found.x
+    return Registration(*map(float, at), error=float(found.fun))
 
 
 def _roughly(
@@ -195,10 +199,12 @@ def _raster(points: Points) -> NDArray[np.float64]:
     return image
 
 
-def _distances(at: Registration, points: Points, onto: ClassMap) -> NDArray[np.float64]:
+def _distances(
+    at: Registration, points: Points, onto: ClassMap, far: float = FAR
+) -> NDArray[np.float64]:
     columns, rows = np.floor(at.on_map(points) / PIXEL).astype(int).T
     height, width = onto.distance.shape
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-    found = np.full(len(points), FAR)
-    found[inside] = np.minimum(onto.distance[rows[inside], columns[inside]], FAR)
+    found = np.full(len(points), far)
+    found[inside] = np.minimum(onto.distance[rows[inside], columns[inside]], far)
     return found

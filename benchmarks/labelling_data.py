@@ -6,21 +6,26 @@ import os
 import pickle
 import subprocess
 import sys
+from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from labelling_plan import Test, models, recordings
-from labelling_register import ClassMap, Registration, end_points, registered
+from labelling_register import PIXEL, ClassMap, Registration, end_points, registered
+from scipy.spatial import KDTree
 
-from placecue import Belief, Observation
+from placecue import Belief, Observation, SemanticMap
 from placecue.components.build import build
 from placecue.components.manager import load_plugins
+from placecue.evaluation.area_scores import TruthAt
 from placecue.labels.relabelled import relabelled
 from placecue.pipeline import Pipeline
 from placecue.source import guarded
 from placecue.starter.pipeline import Starter
 from placecue.storage.model import load_model
 
+Room = tuple[int, str, int, str]
 Moments = list[tuple[Observation, Belief | None]]
 
 REGISTRY = load_plugins(built_ins_only=True).registry
@@ -40,6 +45,7 @@ class Data:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.recorded = Path(os.environ["PLACECUE_DATA"])
+        self._moments: dict[str, Moments] = {}
 
     def _said(self, value: Any) -> Any:
         if isinstance(value, dict):
@@ -78,6 +84,11 @@ class Data:
 
     def moments(self, test: Test) -> Moments:
         """Return the observations of a test, without images, and what its model says of each."""
+        if test.name not in self._moments:
+            self._moments[test.name] = self._read(test)
+        return self._moments[test.name]
+
+    def _read(self, test: Test) -> Moments:
         path = self.folder / "moments" / f"{test.name.replace(' ', '_')}.pickle"
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -111,12 +122,46 @@ class Data:
         known: Registration = pickle.loads(path.read_bytes())
         return known
 
+    def truth_at(self, test: Test, moments: Moments) -> TruthAt | None:
+        """Return what names the class of a place in a log with a plan; None without one."""
+        if test.truth is None:
+            return None
+        plan, at = self.plan(test.truth), self.registration(test, moments)
+        return lambda x, y: plan.label_at(*at.on_map(np.array([[x, y]]))[0])
+
+    def rooms(self, test: Test, moments: Moments, made: SemanticMap) -> list[Room]:
+        """Return the rooms of a plan that were visited, and what most of the way in each is called.
+
+        Each is its number, its true class, how many observations, and what the map says.
+        """
+        if test.truth is None or not made.areas:
+            return []
+        plan, at = self.plan(test.truth), self.registration(test, moments)
+        numbers = plan.rooms()
+        ways = [(x, y, area.label) for area in made.areas for x, y in area.trajectory]
+        nearest = KDTree([(x, y) for x, y, _ in ways])
+        told: dict[tuple[int, str], Counter[str]] = defaultdict(Counter)
+        for seen, _ in moments:
+            if seen.pose is None or seen.label is None:
+                continue
+            column, row = (at.on_map(np.array([[seen.pose.x, seen.pose.y]]))[0] // PIXEL).astype(
+                int
+            )
+            said = ways[int(nearest.query([seen.pose.x, seen.pose.y])[1])][2]
+            told[int(numbers[row, column]), seen.label][said] += 1
+        return [
+            (number, label, said.total(), said.most_common(1)[0][0])
+            for (number, label), said in sorted(told.items())
+        ]
+
     def _labelled(self, moments: Moments, test: Test) -> Moments:
         plan, at = self.plan(str(test.truth)), self.registration(test, moments)
         found = []
         for seen, belief in moments:
-            x, y = at.on_map([[seen.pose.x, seen.pose.y]])[0] if seen.pose else (-1.0, -1.0)
-            found.append((seen.relabelled(plan.label_at(x, y)), belief))
+            label = None
+            if seen.pose is not None:
+                label = plan.label_at(*at.on_map(np.array([[seen.pose.x, seen.pose.y]]))[0])
+            found.append((seen.relabelled(label), belief))
         return found
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,14 @@ Outcome = dict[str, Any]
 
 
 def accumulator(words: Sequence[str]) -> Accumulator:
-    """Return the accumulator that ``placecue label`` with some words would take."""
+    """Return the accumulator that ``placecue label`` with some words would take, as new."""
+    made = _accumulator(tuple(words))
+    made.reset()
+    return made
+
+
+@cache
+def _accumulator(words: tuple[str, ...]) -> Accumulator:
     register_with_hydra()
     with initialize_config_module(version_base="1.3", config_module="placecue_conf"):
         config = plain(compose("label", [*words, "log=here"]))
@@ -37,14 +46,19 @@ def labelled(
     free: Grid | None = None,
     truth_at: TruthAt | None = None,
 ) -> tuple[SemanticMap, Outcome]:
-    """Label a log; return the map and what it is worth."""
-    tally = AreaTally()
+    """Label a log; return the map and what it is worth, doorways left out."""
+    tally = AreaTally(["doorway"])
     for seen, belief in moments:
         tally.observe(seen, belief, by.update(seen, belief))
     made = by.semantic_map()
     scores = asdict(tally.scores(made, free, truth_at))
     areas, nodes = tally.distributions(made)
     return made, {**scores, "areas_said": _said(areas), "nodes_said": _said(nodes)}
+
+
+def singles(moments: Moments) -> dict[str, int]:
+    """Return how often single beliefs say each class."""
+    return dict(Counter(belief.label for _, belief in moments if belief is not None))
 
 
 def free_space(moments: Moments) -> Grid | None:
@@ -86,11 +100,14 @@ class Outcomes:
     path : Path
         The file; what it holds is not computed again.
     data : Data
+    whole : bool
+        Whether free space is scored too, and the map is looked at.
     """
 
-    def __init__(self, path: Path, data: Data) -> None:
+    def __init__(self, path: Path, data: Data, whole: bool = False) -> None:
         self.path = path
         self.data = data
+        self.whole = whole
         self.known: dict[tuple[str, str], Outcome] = {}
         if path.exists():
             for line in path.read_text().splitlines():
@@ -103,9 +120,18 @@ class Outcomes:
 
     def _one(self, key: str, words: Sequence[str], test: Test) -> Outcome:
         if (key, test.name) not in self.known:
-            _, found = labelled(accumulator(words), self.data.moments(test))
-            found |= {"words": key, "test": test.name}
+            found = self._labelled(words, test) | {"words": key, "test": test.name}
             with self.path.open("a") as file:
                 file.write(json.dumps(found) + "\n")
             self.known[key, test.name] = found
         return self.known[key, test.name]
+
+    def _labelled(self, words: Sequence[str], test: Test) -> Outcome:
+        moments = self.data.moments(test)
+        if not self.whole:
+            return labelled(accumulator(words), moments)[1]
+        truth_at = self.data.truth_at(test, moments)
+        made, found = labelled(accumulator(words), moments, free_space(moments), truth_at)
+        ways = sorted((len(area.trajectory), area.label) for area in made.areas)[::-1]
+        rooms = self.data.rooms(test, moments, made)
+        return {**found, "ways": ways, "rooms": rooms, "single_said": singles(moments)}

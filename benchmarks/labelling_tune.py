@@ -35,6 +35,7 @@ COMBINATIONS = [
 ]
 #: One after the other, of what is chosen by the way.
 NUMBERS = {
+    f"{EVIDENCE}.rejoin": [3.0, 1.0, 0.3, 0.0],
     f"{EVIDENCE}.threshold": [3.0, 1.5, 2.0, 4.0, 6.0],
     f"{EVIDENCE}.independent": [0.4, 0.1, 0.2, 0.7],
     f"{EVIDENCE}.doubt": [0.1, 0.02, 0.2],
@@ -81,6 +82,10 @@ class Search:
         self.outcomes = outcomes
         self.tests = [test for test in tests() if test.half == "tuning"]
 
+    def worth(self, words: Sequence[str]) -> float:
+        """Return the criterion of some words."""
+        return way(self.outcomes.of(words, self.tests))
+
     def best(
         self,
         words: Sequence[str],
@@ -102,14 +107,22 @@ class Search:
         return max(tried, key=lambda each: round(each[0], 4))[1]
 
 
+def _fitting(combination: str, numbers: Sequence[str]) -> list[str]:
+    """Return the words that a combination of boundaries has a use for."""
+    return [each for each in numbers if "evidence" in combination or EVIDENCE not in each]
+
+
 def main(folder: Path) -> None:
     """Search, and print every step."""
     search = Search(Outcomes(folder / "tuning.jsonl", Data(folder)))
     words = search.best([], BOUNDARY, [f"[{each}]" for each in COMBINATIONS])
+    if "evidence" not in words[0]:  # it has numbers of its own, which it may do better with
+        words = search.best([], BOUNDARY, [f"[{COMBINATIONS[0]}]"])
     for key, values in NUMBERS.items():
-        if "evidence" not in words[0] and key.startswith(EVIDENCE):
-            continue
         words = search.best(words, key, values)
+    numbers = words[1:]
+    again = [search.best(_fitting(each, numbers), BOUNDARY, [f"[{each}]"]) for each in COMBINATIONS]
+    words = max(again, key=lambda each: round(search.worth(each), 4))
     for key, values in SURENESS.items():
         words = search.best(words, key, values, loss)
     print("chosen:", *words)

@@ -99,6 +99,25 @@ def test_scans_that_are_missing_at_the_door_are_made_up_for_by_the_evidence():
     assert [area.label for area in made.areas] == ["office", "kitchen"]
 
 
+def test_a_minute_without_scans_within_a_room_changes_nothing():
+    whole = through(joined(), np.arange(-4, 4, 0.02), rooms)
+    part = through(joined(), np.arange(-4, 4, 0.02), rooms, scans=lambda x: not -7 < x < -1)
+    assert [area.label for area in part.areas] == [area.label for area in whole.areas]
+    assert [area.trajectory for area in part.areas] == [area.trajectory for area in whole.areas]
+
+
+def test_scanners_of_180_and_360_degrees_in_one_log_see_the_same_door():
+    accumulator, walls = joined(), doorway()
+    for i, x in enumerate(np.arange(-4, 4, 0.1)):
+        pose = Pose2D(float(x), 0.0, 0.0)
+        beams, field = (721, 360.0) if i % 2 else (361, 180.0)
+        scan = scan_at(walls, pose, beams, field)
+        accumulator.update(Observation(i * SECOND // 5, pose=pose, scan=scan), rooms(x))
+    made = accumulator.semantic_map()
+    assert [area.label for area in made.areas] == ["office", "kitchen"]
+    assert sum(node.gateway for node in made.nodes) == 1
+
+
 def test_a_log_that_begins_in_the_doorway():
     made = through(joined(), np.arange(0, 4, 0.1), rooms)
     named = [area.label for area in made.areas if area.label != "unknown"]

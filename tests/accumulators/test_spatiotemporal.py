@@ -361,6 +361,22 @@ def test_no_edge_leads_over_a_jump():
     assert accumulator.warnings()[0].startswith("the pose jumped 1 times")
 
 
+def test_a_minute_without_observations_breaks_the_way_off():
+    """The robot was seen 20 m further on: there was time for it, and nobody knows the way."""
+    accumulator = SpatioTemporal(boundary=Doors())
+    follow(accumulator, way((0, 0), (2.5, 0)), lambda _: says("office"))
+    for step, pose in enumerate(way((22.5, 0), (25, 0))):
+        seen = Observation(60 * 10**9 + step * 10**8, pose=pose)
+        accumulator.update(seen, says("kitchen"))
+    made = accumulator.semantic_map()
+    assert [area.label for area in made.areas] == ["office", "kitchen"]
+    at = {node.id: node.x for node in made.nodes}
+    assert max(abs(at[a] - at[b]) for a, b in made.edges) < 2
+    assert accumulator.warnings() == [
+        "the log has 1 gaps over which the robot drove on unseen: the map is broken off there"
+    ]
+
+
 def test_a_robot_that_was_carried_to_where_it_has_been_is_there():
     accumulator = SpatioTemporal(boundary=Doors())
     follow(accumulator, way((0, 0), (5, 0)), lambda _: says("office"))

@@ -222,6 +222,8 @@ class Journey:
         else:
             self.changed = None
             self.boundaries.enter()
+            if self.judge is not None and self.entry.bins > 0:
+                self.boundaries.recall(self.judge.likelihoods(self.entry))
         self.judge_area()
         self.news.add(self.current)
 

@@ -108,6 +108,7 @@ class Outcomes:
         self.path = path
         self.data = data
         self.whole = whole
+        self._free: dict[str, Grid | None] = {}
         self.known: dict[tuple[str, str], Outcome] = {}
         if path.exists():
             for line in path.read_text().splitlines():
@@ -130,8 +131,10 @@ class Outcomes:
         moments = self.data.moments(test)
         if not self.whole:
             return labelled(accumulator(words), moments)[1]
-        truth_at = self.data.truth_at(test, moments)
-        made, found = labelled(accumulator(words), moments, free_space(moments), truth_at)
+        if test.name not in self._free:
+            self._free[test.name] = free_space(moments)
+        free, truth_at = self._free[test.name], self.data.truth_at(test, moments)
+        made, found = labelled(accumulator(words), moments, free, truth_at)
         ways = sorted((len(area.trajectory), area.label) for area in made.areas)[::-1]
         rooms = self.data.rooms(test, moments, made)
         return {**found, "ways": ways, "rooms": rooms, "single_said": singles(moments)}

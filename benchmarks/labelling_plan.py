@@ -177,16 +177,18 @@ def _recorded() -> list[Test]:
         )
         for name, (log, model, plan) in logs.items()
     ]
-    bags = ("expt04.bag", "feb13_col.bag", "comprobo22")
+    bags = {
+        "expt04": "expt04.bag",
+        "feb13_col": "feb13_col.bag",
+        "comprobo22": "comprobo22/macfirst_floor_take_2",
+    }
     return carmen + [
-        Test(
-            f"bag {bag}",
-            "reporting",
-            "starter",
-            {"plugin": "rosbag", "path": f"{{data}}/bags/{bag}"},
-        )
-        for bag in bags
+        Test(f"bag {name}", "reporting", "starter", _bag(path)) for name, path in bags.items()
     ]
+
+
+def _bag(path: str) -> Config:
+    return {"plugin": "rosbag", "path": f"{{data}}/bags/{path}"}
 
 
 def _recorded_as(world: str, seed: int, run: int, light: str) -> Config:

@@ -226,8 +226,12 @@ class AreaTally:
         owners = shared_out(semantic_map, grid, 10.0)
         labels = np.array([*(area.label for area in semantic_map.areas), ""])
         told = labels[owners]  # NOBODY is the last
-        truth = self._true_cells(semantic_map, grid) if truth_at is None else _named(grid, truth_at)
-        known = (truth != "") & (owners != NOBODY) & ~np.isin(truth, list(self.ignored))
+        owned = owners != NOBODY
+        if truth_at is None:
+            truth = self._true_cells(semantic_map, grid)
+        else:
+            truth = _named(grid, owned, truth_at)
+        known = (truth != "") & owned & ~np.isin(truth, list(self.ignored))
         return _share(int((told[known] == truth[known]).sum()), int(known.sum()))
 
     def _true_cells(self, semantic_map: SemanticMap, grid: Grid) -> NDArray[np.str_]:
@@ -244,16 +248,14 @@ class AreaTally:
         return np.array([*names, ""])[owners]
 
 
-def _named(grid: Grid, truth_at: TruthAt) -> NDArray[np.str_]:
-    height, width = grid.states.shape
-    found = [
-        [
-            truth_at(grid.x + (j + 0.5) * grid.cell, grid.y + (i + 0.5) * grid.cell) or ""
-            for j in range(width)
-        ]
-        for i in range(height)
-    ]
-    return np.array(found)
+def _named(grid: Grid, cells: NDArray[np.bool_], truth_at: TruthAt) -> NDArray[np.str_]:
+    """Return the class of some cells, empty elsewhere and where there is none."""
+    rows, columns = np.nonzero(cells)
+    xs, ys = grid.x + (columns + 0.5) * grid.cell, grid.y + (rows + 0.5) * grid.cell
+    names = [truth_at(x, y) or "" for x, y in zip(xs.tolist(), ys.tolist(), strict=True)]
+    found = np.full(cells.shape, "", dtype=f"U{max(map(len, names), default=1) or 1}")
+    found[rows, columns] = names
+    return found
 
 
 def _owners(

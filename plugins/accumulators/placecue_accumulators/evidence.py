@@ -104,12 +104,12 @@ class ChangedEvidence(Boundary):
 
     def __init__(
         self,
-        window: float = 6.0,
+        window: float = 4.0,
         shortest: float = 0.8,
         step: float = 0.2,
-        threshold: float = 3.0,
-        rejoin: float = 3.0,
-        independent: float = 0.4,
+        threshold: float = 2.0,
+        rejoin: float = 0.0,
+        independent: float = 0.7,
         doubt: float = 0.1,
     ) -> None:
         self.window = window

@@ -65,7 +65,8 @@ def test_the_delay_is_what_the_likelihoods_say():
     # log(0.9 * 0.05 + 0.025) = -2.659 of each other: a difference of 2.424. Of it 0.4 counts, so
     # that a change after as much of another place is 0.969 a stretch more likely, and 3 are
     # passed with the fourth stretch; it is complete when the fifth begins, 0.8 m on.
-    [(noticed, put)] = drive(ChangedEvidence(shortest=0.2), [0] * 40 + [1] * 40, step=0.2)
+    boundary = ChangedEvidence(shortest=0.2, threshold=3.0, independent=0.4)
+    [(noticed, put)] = drive(boundary, [0] * 40 + [1] * 40, step=0.2)
     assert (noticed, put) == (pytest.approx(8.8), pytest.approx(8.0))
 
 
@@ -103,13 +104,16 @@ def test_entering_another_area_begins_anew():
 
 
 def test_areas_join_unless_two_are_likelier():
-    boundary = ChangedEvidence(threshold=3.0)
+    boundary = ChangedEvidence(rejoin=3.0)
     office, kitchen = np.log(sure_of(0)), np.log(sure_of(1))
     # Two are likelier by the smaller of the two leads: log(0.85 / 0.05) = 2.83.
     assert boundary.joins(office, kitchen)
     assert not boundary.joins(2 * office, 2 * kitchen)
     assert boundary.joins(9 * office, 9 * office)
     assert boundary.joins(np.zeros(M), 9 * kitchen)
+    of_one_class = ChangedEvidence(rejoin=0.0)
+    assert of_one_class.joins(office, 9 * office)
+    assert not of_one_class.joins(office, 0.1 * kitchen)
 
 
 @pytest.mark.parametrize(

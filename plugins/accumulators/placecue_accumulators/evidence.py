@@ -96,7 +96,8 @@ class ChangedEvidence(Boundary):
 
     Notes
     -----
-    A change is noticed between ``shortest`` and ``window`` metres after it, and put where it was.
+    A change is noticed before ``window`` metres after it, and put where it was; one that is
+    noticed sooner than after ``shortest`` is put so much before where that is.
     The likelihood ratio of a change at an unknown place is Page's (Biometrika 41, 1954).
     """
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from placecue.belief import Belief
+from placecue.correction import Correction
 from placecue.estimator import Estimator
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import AreaUpdate as AreaUpdate
@@ -65,6 +66,17 @@ class Boundary(Estimator, ABC):
     def enter(self) -> None:
         """Take note that the robot is in another area now, whoever noticed."""
 
+    def recall(self, likelihoods: Values) -> None:
+        """Take note of what was seen on earlier visits in the area that the robot is in now.
+
+        Told after :meth:`enter` where the area is a known one.
+
+        Parameters
+        ----------
+        likelihoods : ndarray of float64, shape (M,)
+            Log-likelihoods of each class.
+        """
+
     def joins(self, one: Values, other: Values) -> bool:
         """Tell whether two areas are one, as the robot went from one straight into the other.
 
@@ -112,6 +124,18 @@ class Accumulator(Estimator, ABC):
     @abstractmethod
     def reset(self) -> None:
         """Forget everything, as before the first observation."""
+
+    def corrected(self, correction: Correction) -> None:
+        """Move what has a position: the poses of earlier observations are known better now.
+
+        Called before the :meth:`update` with the first observation that is told in the new poses.
+        The default keeps everything where it is, which is right for what has no position.
+
+        Parameters
+        ----------
+        correction : Correction
+            Where each moment of the way was put, and where it is now.
+        """
 
     def warnings(self) -> list[str]:
         """Return what a person should know of the map before trusting it, a line each."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Literal, NamedTuple, Never, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Never, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from placecue.decoding import decoded
 from placecue.errors import FOREIGN, PlacecueError, UnusableObservation, described, told
 from placecue.read_only import read_only
+
+if TYPE_CHECKING:
+    from placecue.correction import Correction
 
 Image: TypeAlias = NDArray[np.uint8]
 Part = Literal["image", "scan", "pose", "label"]
@@ -246,10 +249,13 @@ class Observation:
     scene : str or None
         Which part of the log it belongs to, where a source knows: one visit of one room, say.
         Observations of one scene are near-copies, so the folds ``scenes`` never part them.
+    correction : Correction or None
+        How poses of earlier observations have moved, where that was learned just now.
     """
 
     __slots__ = (
         "_decoded",
+        "correction",
         "image_source",
         "label",
         "log_name",
@@ -268,6 +274,7 @@ class Observation:
     origin: Origin | None
     log_name: str
     scene: str | None
+    correction: Correction | None
     _decoded: Image | None
 
     def __init__(
@@ -281,6 +288,7 @@ class Observation:
         origin: Origin | None = None,
         log_name: str = "",
         scene: str | None = None,
+        correction: Correction | None = None,
     ) -> None:
         keep = partial(object.__setattr__, self)
         keep("stamp", stamp)
@@ -291,6 +299,7 @@ class Observation:
         keep("origin", origin)
         keep("log_name", log_name)
         keep("scene", scene)
+        keep("correction", correction)
         keep("_decoded", None)
 
     def __setattr__(self, name: str, value: object) -> Never:
@@ -350,6 +359,18 @@ class Observation:
         """Return the same moment under another label; a pending image stays undecoded."""
         return self._with(label=label)
 
+    def placed(self, pose: Pose2D | None, correction: Correction | None = None) -> Observation:
+        """Return the same moment at another pose; a pending image stays undecoded.
+
+        Parameters
+        ----------
+        pose : Pose2D or None
+            Where the robot was, as it is known better now.
+        correction : Correction, optional
+            How the poses of earlier observations have moved.
+        """
+        return self._with(pose=pose, correction=correction)
+
     def of_log(self, name: str, origin: Origin | None = None) -> Observation:
         """Say what the log is called and which of its observations this is, unless that is known.
 
@@ -377,7 +398,7 @@ class Observation:
         return Observation(self.stamp, **(self._parts() | changed))
 
     def _parts(self) -> dict[str, Any]:
-        names = ("scan", "pose", "label", "origin", "log_name", "scene")
+        names = ("scan", "pose", "label", "origin", "log_name", "scene", "correction")
         return {"image": self.image_source} | {name: getattr(self, name) for name in names}
 
     def __reduce__(self) -> tuple[Any, ...]:

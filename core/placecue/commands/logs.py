@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from placecue.checks import check_choice
+from placecue.checks import check_choice, check_flag
 from placecue.commands.label_names import with_names
 from placecue.components.build import build
 from placecue.components.manager import Plugins
 from placecue.errors import UsageError
 from placecue.labels.relabelled import relabelled
 from placecue.observation import PARTS, Part
+from placecue.slam.libraries import check_installed
+from placecue.slam.straightened import SEEN, Straightened, frames_of
 from placecue.source import Chain, Source, guarded
 
 if TYPE_CHECKING:
@@ -34,8 +36,9 @@ def open_source(
     Parameters
     ----------
     config : mapping
-        With ``source``, whose ``path`` is ``${log}`` unless it is given; ``rooms``, ``label_map``
-        and ``unmapped_labels`` give its observations other labels.
+        With ``source``, whose ``path`` is ``${log}`` unless it is given; ``slam`` corrects its
+        poses by its scans; ``rooms``, ``label_map`` and ``unmapped_labels`` give its observations
+        other labels.
     plugins : Plugins
         Builds the source, and is told of each log opened.
     log : str
@@ -56,14 +59,18 @@ def open_source(
         raise UsageError(
             f"nothing to read: give {log}=FILE, {log}=[FILE,FILE], or source=NAME source.path=FILE"
         )
+    slam = wants_slam(config)
     if parts is not None and "parts" in spec and spec["parts"] is None:
-        needed = {*parts, "pose"} if config.get("rooms") else parts
+        needed = {*parts, *(["pose"] if config.get("rooms") else []), *(SEEN if slam else ())}
         spec["parts"] = [part for part in PARTS if part in needed]
     paths = spec.get("path")
     specs = [spec]
     if isinstance(paths, list) and not _kind(spec, plugins).reads_many:
         specs = [{**spec, "path": path} for path in paths]
     sources = [guarded(_built(each, plugins)) for each in specs]
+    if slam:
+        frames = frames_of(len(sources))
+        sources = [Straightened(*each) for each in zip(sources, frames, strict=True)]
     sources = [relabelled(each, with_names(config)) for each in sources]
     for source in sources:
         plugins.tell("log_opened", source=source)
@@ -81,6 +88,21 @@ def on_error_of(config: Mapping[str, Any]) -> str:
     on_error: str = config.get("on_error", ON_ERROR[0])
     check_choice("on_error", on_error, ON_ERROR)
     return on_error
+
+
+def wants_slam(config: Mapping[str, Any]) -> bool:
+    """Return whether poses are to be corrected by scans.
+
+    Raises
+    ------
+    UsageError
+        If ``slam`` is neither true nor false, or what it needs is not installed.
+    """
+    wanted: bool = config.get("slam", False)
+    check_flag("slam", wanted)
+    if wanted:
+        check_installed()
+    return wanted
 
 
 def set_tolerance(pipeline: Pipeline, config: Mapping[str, Any]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -90,7 +91,15 @@ def test_a_port_that_is_taken(tmp_path: Path, laser_model: Path, log_b: Path) ->
             assert f"give another {words[-1].partition('=')[0]}=" in told.line
 
 
-def test_the_first_interrupt_stops_and_the_second_ends() -> None:
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Where the tests run behind a shell that ignores SIGINT, Python would too."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_the_first_interrupt_stops_and_the_second_ends(interruptible: None) -> None:
     stopped: list[str] = []
     with stopped_by_interrupt(lambda: stopped.append("once")):
         signal.raise_signal(signal.SIGINT)

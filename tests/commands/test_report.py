@@ -126,7 +126,7 @@ def test_labels_and_paths_that_are_markup(tmp_path: Path, laser_model: Path) -> 
     log = Ros2Log(folder / "a.mcap")
     for i in range(12):
         log.string(0.2 * i, name)
-        log.scan(0.2 * i, [2.0 + (j + i) % 5 for j in range(61)], topic="/scan")
+        log.scan(0.2 * i, [2.0 + (j + i) % 5 for j in range(61)], -1.5, 0.05, topic="/scan")
     log.close()
     written = folder / "a.mcap"
     told = placecue("classify", f"model={laser_model}", f"source.path='{written}'", "out=out")

@@ -29,7 +29,8 @@ def made(name: str) -> Source:
         for parameter, each in inspect.signature(kind).parameters.items()
         if each.default is inspect.Parameter.empty
     ]
-    source = kind(**dict.fromkeys(needed, "nowhere"))
+    where = "ws://nowhere" if name == "foxglove" else "nowhere"
+    source = kind(**dict.fromkeys(needed, where))
     assert isinstance(source, Source)
     return source
 

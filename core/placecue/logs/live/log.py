@@ -4,7 +4,7 @@
 
 import logging
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from time import time_ns
 from urllib.parse import urlsplit
@@ -62,6 +62,9 @@ silence, base_frame, laser_frame, pose_frame, range_max, transform_horizon
         ``time.monotonic``.
     """
 
+    # A part of a recorded log makes no sense here.
+    start: float | None = field(default=None, init=False)
+    end: float | None = field(default=None, init=False)
     beginning: float = 2.0
     patience: float | None = 0.5
     quiet: float = 5.0
@@ -72,8 +75,6 @@ silence, base_frame, laser_frame, pose_frame, range_max, transform_horizon
             raise UsageError(
                 f"'{self.path}' is no address of a server: give one such as ws://127.0.0.1:8765"
             )
-        if self.start is not None or self.end is not None:
-            raise UsageError("source.start and source.end are for recorded logs: leave them out")
         check_number("source.beginning", self.beginning, least=0)
         check_number("source.quiet", self.quiet, above=0)
         if self.patience is not None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from deep_plan import BASE, DARKER, FEW, FOLDS, METHODS, NETWORKS, SHOWN_DARK
+from deep_plan import DARKER, FEW, FOLDS, METHODS, NETWORKS, SHOWN_DARK
 from matplotlib.figure import Figure
 from nyu_frames import ROOMS
 from tables import put, table
@@ -21,16 +21,15 @@ Found = dict[str, Any]
 
 def write(folder: Path) -> None:
     """Write the tables of all that is finished into the page."""
-    found = {rooms: _joined(folder, rooms) for rooms in ROOMS}
-    draw_dark(found["four"])
+    dark = _joined(folder, "four")
+    draw_dark(dark)
     put(
         PAGE,
         {
-            "trained": _trained(found),
             "networks": _networks(folder),
             "untrained": _untrained(json.loads((folder / "untrained.json").read_text())),
             "few": _few(json.loads((folder / "few_labels.json").read_text())),
-            "dark": _dark(found["four"]),
+            "dark": _dark(dark),
         },
     )
 
@@ -51,25 +50,6 @@ def _accuracy(truth: Any, decided: Any) -> float:
 def _shown(draws: GroupBootstrap, decided: Any) -> str:
     low, high = draws.interval(decided)
     return f"{_accuracy(draws.truth, decided):.1f} [{low:.0f}, {high:.0f}]"
-
-
-def _trained(found: dict[str, Found]) -> str:
-    rows = []
-    for method in METHODS:
-        cells = []
-        for of in found.values():
-            if method not in of:
-                cells += ["", ""]
-                continue
-            draws = GroupBootstrap(of["truth"], of["scenes"])
-            low, high = draws.difference(of[method], of[BASE])
-            gain = _accuracy(of["truth"], of[method]) - _accuracy(of["truth"], of[BASE])
-            cells.append(_shown(draws, of[method]))
-            cells.append("" if method == BASE else f"{gain:+.1f} [{low:+.1f}, {high:+.1f}]")
-        if any(cells):
-            rows.append([method, *cells])
-    heads = [head for rooms in found for head in (f"{rooms} rooms", f"less {BASE}")]
-    return table(["", *heads], rows)
 
 
 def _networks(folder: Path) -> str:

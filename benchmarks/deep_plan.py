@@ -9,27 +9,21 @@ CUES: dict[str, list[str]] = {
     "lite0": [],
     "laser": ["cues.laser.preset=full"],
     "crfh": [],
-    "fisher_vector": [],
 }
 #: Cues by the name of the row, and how they are integrated.
 METHODS: dict[str, tuple[tuple[str, ...], str]] = {
     "lite0": (("lite0",), ""),
     "laser": (("laser",), ""),
     "CRFH": (("crfh",), ""),
-    "Fisher": (("fisher_vector",), ""),
     "CRFH + laser": (("crfh", "laser"), "svm_das"),
     "lite0 + laser": (("lite0", "laser"), "svm_das"),
     "lite0 + laser, linear": (("lite0", "laser"), "svm_das_linear"),
     "lite0 + laser, G-DAS": (("lite0", "laser"), "gdas"),
-    "lite0 + Fisher + laser": (("lite0", "fisher_vector", "laser"), "svm_das"),
-    "lite0 + Fisher + laser, linear": (("lite0", "fisher_vector", "laser"), "svm_das_linear"),
-    "lite0 + Fisher + laser, G-DAS": (("lite0", "fisher_vector", "laser"), "gdas"),
 }
 #: The networks, smallest first.
 NETWORKS = ("lite0", "lite1", "lite2")
 #: Frames that are timed one by one.
 TIMED = 100
-BASE = "lite0"
 #: What the light is divided by in test.
 DARKER = (2, 4, 8)
 #: The rows of the figure.

@@ -16,16 +16,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from cues_and_classifiers_plan import FOUR
+from hydra import compose, initialize_config_module
 from numpy.typing import NDArray
 
 from placecue import Observation, Rows, Scenes
-from placecue.components.build import build
+from placecue.components.build import build, plain
 from placecue.components.manager import load_plugins
+from placecue.components.options import register_with_hydra
 from placecue.folds import cut
 from placecue.learning.grouping import groups_of
 from placecue.source import guarded
 
+FOUR = ("bathroom", "bedroom", "kitchen", "living_room")
 #: The classes of at least 20 frames, and those of them that a prototype had scored.
 ROOMS = {
     "eight": (*FOUR, "classroom", "dining_room", "home_office", "office"),
@@ -80,9 +82,10 @@ def frames(data: Path, rooms: Sequence[str], **parameters: Any) -> Frames:
     **parameters
         Of the source ``nyuv2``, in place of what is shipped.
     """
-    from cues_and_classifiers import config_of  # it sets the number of threads
-
-    config = config_of(["source=nyuv2", "cue=laser", "integrator=none"])["source"]
+    register_with_hydra()
+    with initialize_config_module(version_base="1.3", config_module="placecue_conf"):
+        words = ["source=nyuv2", "cue=laser", "integrator=none", "log=here"]
+        config = plain(compose("train", words))["source"]
     own = {"path": str(data / "nyuv2"), "classes": list(rooms)}
     registry = load_plugins(built_ins_only=True).registry
     # Behind the guard frames know their origin, by which features are kept between folds.

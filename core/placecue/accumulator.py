@@ -66,6 +66,17 @@ class Boundary(Estimator, ABC):
     def enter(self) -> None:
         """Take note that the robot is in another area now, whoever noticed."""
 
+    def recall(self, likelihoods: Values) -> None:
+        """Take note of what was seen on earlier visits in the area that the robot is in now.
+
+        Told after :meth:`enter` where the area is a known one.
+
+        Parameters
+        ----------
+        likelihoods : ndarray of float64, shape (M,)
+            Log-likelihoods of each class.
+        """
+
     def joins(self, one: Values, other: Values) -> bool:
         """Tell whether two areas are one, as the robot went from one straight into the other.
 

@@ -27,6 +27,8 @@ class Belief:
         The outputs of each cue that was extracted to get there, one row each.
     cues_missing : tuple of str
         The cues that the observation does not have, as far as is known.
+    sharpness : float or None
+        Log odds of a class by the unit of the scores, where training has measured it.
     """
 
     stamp: int
@@ -35,6 +37,7 @@ class Belief:
     confidence: float
     cue_scores: Mapping[str, Scores]
     cues_missing: tuple[str, ...] = ()
+    sharpness: float | None = None
 
     @property
     def cues_used(self) -> tuple[str, ...]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import suppress
 from typing import TypeAlias
 
 import numpy as np
@@ -196,6 +198,31 @@ class ObservedEvidence(Evidence):
             self._compute(cue, model, fresh)
             asked[fresh] = True
         return Scores(values[rows], model.layout)
+
+    def compute(self, pool: Executor) -> None:
+        """Compute the scores of all cues side by side, where their parts are there.
+
+        Parameters
+        ----------
+        pool : Executor
+            Of threads; each cue is asked by one of them.
+        """
+        image = [cue for cue in self.cues if "image" in self._model(cue).cue.requires]
+        others = [cue for cue in self.cues if cue not in image]
+        started = [pool.submit(self._compute_there, cue) for cue in others]
+        if len(image) > 1:
+            self._decode()  # once, and not in each thread
+        started += [pool.submit(self._compute_there, cue) for cue in image]
+        for each in started:
+            each.result()
+
+    def _compute_there(self, cue: str) -> None:
+        self.scores_of(cue, np.flatnonzero(self.available(cue)))
+
+    def _decode(self) -> None:
+        for observation in self._observations:
+            with suppress(UnusableObservation):  # which the cues say
+                _ = observation.image
 
     def _compute(self, cue: str, model: CueModel, fresh: Rows) -> None:
         asked = [self._observations[row] for row in fresh]

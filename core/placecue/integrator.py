@@ -32,6 +32,8 @@ class Integrator(Estimator, ABC):
         the layout of all as it is.
     wants_costs : bool
         Whether it is to be told what each cue costs (``held_out.costs``).
+    stops_early : bool
+        Whether it may leave cues unasked, so that none is to be extracted before it asks.
     trade_off_ : dict of str to list
         Of one that need not ask for all cues: a curve, for the training report. One entry a point
         in ``cost`` (ms a sample), ``balanced_accuracy``, ``used CUE`` (share of the samples) for
@@ -42,6 +44,7 @@ class Integrator(Estimator, ABC):
     gaps: ClassVar[bool] = False
     fits_alone: ClassVar[bool] = False
     wants_costs: ClassVar[bool] = False
+    stops_early: ClassVar[bool] = False
 
     def check_cues(self, cues: Sequence[str]) -> None:
         """Raise UsageError if a parameter names a cue that is not among these.

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from contextvars import copy_context
+from types import FrameType
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -55,3 +58,36 @@ def interruptible(work: Callable[[], T]) -> T:
     if errors:
         raise errors.pop()  # and hold no frame, whose arrays may be large
     return results[0]
+
+
+@contextmanager
+def stopped_by_interrupt(stop: Callable[[], None]) -> Iterator[None]:
+    """Let the first Ctrl-C inside call ``stop``, after which the command goes on to its end.
+
+    A second one ends the command as any does. Elsewhere than in the main thread, which alone is
+    told of Ctrl-C, nothing changes.
+
+    Parameters
+    ----------
+    stop : callable
+        Lets what runs come to its end; it must not wait.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.getsignal(signal.SIGINT)
+    watched = signal.set_wakeup_fd(-1)  # who watches there ends the process
+
+    def restore() -> None:
+        signal.signal(signal.SIGINT, before)
+        signal.set_wakeup_fd(watched, warn_on_full_buffer=False)
+
+    def first(number: int, frame: FrameType | None) -> None:
+        restore()
+        stop()
+
+    signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        restore()

@@ -35,6 +35,12 @@ class Limits:
         Files in a folder or tar.
     file : int
         Bytes of a file in a folder or tar that is read as a whole, or of an attachment.
+    message : int
+        Bytes of a message that a robot sends.
+    rate : int
+        Messages a second that a robot may send.
+    waiting : int
+        Bytes of a robot's messages that may wait to be read.
     """
 
     chunk: int = 2**28
@@ -45,6 +51,9 @@ class Limits:
     depth: int = 100
     members: int = 2_000_000
     file: int = 2**28
+    message: int = 2**26
+    rate: int = 10_000
+    waiting: int = 2**28
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from itertools import combinations
 from typing import Self
 
@@ -29,6 +30,7 @@ from placecue.guard import call
 from placecue.held_out import HeldOut, check_unseen
 from placecue.integration import unfitted
 from placecue.integrator import Integrator, OnlyCue
+from placecue.learning.calibration import Calibration, calibrated
 from placecue.learning.collecting import collect
 from placecue.learning.costs import measured
 from placecue.learning.judging import (
@@ -72,6 +74,9 @@ class Pipeline:
     ----------
     extraction : Extraction
         How features come from observations: straight from the cues, unless one sets a cache here.
+    pool : Executor or None
+        Threads in which the cues of a batch go side by side, such as camera and laser; None: one
+        after the other. Not together with a feature cache, which is for one thread.
     on_error : {"stop", "skip"}
         What becomes of an observation at which a component fails: the error, or the cue is missing
         there; an observation without any is passed over and counted.
@@ -83,6 +88,8 @@ class Pipeline:
         That of the integrated scores.
     rejection_ : Rejection or None
         The threshold below which a decision is "unknown", chosen by :meth:`fit`.
+    calibration_ : Calibration or None
+        How much the integrated scores say, learned by :meth:`fit` on held-out samples.
     held_out_ : HeldOut or None
         Scores of samples which the single-cue models have not seen, on which :meth:`fit` fitted
         the integrator, where there was one; not saved with a model.
@@ -119,11 +126,13 @@ class Pipeline:
         self.folds = InterleavedChunks() if folds is None else folds
         self.unknown = unknown
         self.extraction = Extraction()
+        self.pool: Executor | None = None
         self.on_error = "stop"
         self.min_cues = 1
         self.for_fewer_: dict[Cues, Integrator] = {}
         self.layout_: Layout | None = None
         self.rejection_: Rejection | None = None
+        self.calibration_: Calibration | None = None
         self.held_out_: HeldOut | None = None
         self.judged_: list[Judged] | None = None
 
@@ -162,6 +171,8 @@ class Pipeline:
         evidence = ObservedEvidence(  # extract, score
             observations, self.cues, self.extraction, skip=self.skips
         )
+        if self.pool is not None and not self.schemes.full.stops_early:
+            evidence.compute(self.pool)
         scores, failed = self.schemes.integrate(  # integrate
             evidence, observations, skip=self.skips
         )
@@ -184,6 +195,7 @@ class Pipeline:
                 confidence=float(decision.confidence[decided[row]]),
                 cue_scores=evidence.scores_at(row),
                 cues_missing=tuple(lacking),
+                sharpness=None if self.calibration_ is None else self.calibration_.sharpness,
             )
 
     def _too_few(
@@ -281,8 +293,9 @@ class Pipeline:
             Labelled observations of another sequence to fit the integrator and choose the
             threshold for "unknown" on. Without them out-of-fold scores of ``observations`` serve.
         reliability : bool
-            Set :attr:`judged_` also for the sake of a reliability diagram alone: where a cue or
-            the integrator gives probabilities and no "unknown" is asked for.
+            Learn :attr:`calibration_`, and set :attr:`judged_` also for the sake of a reliability
+            diagram alone: where a cue or the integrator gives probabilities and no "unknown" is
+            asked for.
         force_training_scores : bool
             Fit the integrator even on scores of samples that the single-cue models were trained
             on, which are better than those of others will be.
@@ -297,7 +310,7 @@ class Pipeline:
         """
         samples = self.collect(observations)
         _check_classes(samples)
-        self.rejection_ = self.held_out_ = self.judged_ = None
+        self.rejection_ = self.calibration_ = self.held_out_ = self.judged_ = None
         self.fit_cues(samples)
         judges = self.unknown is not None or (reliability and self._tells_probabilities())
         unseen = foreign = None
@@ -315,6 +328,8 @@ class Pipeline:
             judges |= reliability and self._tells_probabilities()
         if judges:
             self.judged_ = self._judged(samples, unseen)
+        if reliability:
+            self.calibration_ = self._calibrated(samples)
         if self.unknown is not None and self.judged_ is not None:
             judged = list(self.judged_)
             if foreign is not None:
@@ -480,6 +495,25 @@ class Pipeline:
         if not self.integrates:
             return [judged_by(self.schemes, held_out, skip=self.skips)]
         return judged_by_integrators(self.integrator, held_out, self._sets(), skip=self.skips)
+
+    def _calibrated(self, samples: Samples) -> Calibration | None:
+        """Learn how much scores say; None, and a word on it, where nothing can be held out."""
+        try:
+            return calibrated(self.judged_ or self._judged_cheaply(samples))
+        except DataError as error:
+            log.warning(f"how probable decisions are is not measured: {error}")
+            return None
+
+    def _judged_cheaply(self, samples: Samples) -> list[Judged]:
+        """Judge on scores held out of the single-cue models, integrated by copies in folds.
+
+        Their parameters were chosen on these samples too, which flatters a little.
+        """
+        held_out = self.held_out(samples) if self.held_out_ is None else self.held_out_
+        if not self.integrates:
+            return [judged_by(self.schemes, held_out, skip=self.skips)]
+        every = [tuple(self.cues)]
+        return judged_by_integrators(self.integrator, held_out, every, skip=self.skips)
 
     def _tells_probabilities(self) -> bool:
         """Tell whether a cue, or the fitted integrator, gives probabilities."""

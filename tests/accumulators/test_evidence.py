@@ -31,19 +31,21 @@ def drive(boundary, labels, step=0.1, start=0.0, probability=0.85):
 
 
 @settings(max_examples=50, deadline=None)
-@given(st.integers(2, 9), st.integers(1, 3), st.integers(0, 999))
-def test_the_best_cut_is_that_of_trying_all_classes_and_places(n, shortest, seed):
+@given(st.integers(2, 9), st.integers(1, 3), st.integers(0, 999), st.booleans())
+def test_the_best_cut_is_that_of_trying_all_classes_and_places(n, shortest, seed, again):
     rows = np.log(np.random.default_rng(seed).dirichlet(np.ones(M), n))
-    one = max(sum(row[c] for row in rows) for c in range(M))
+    known = np.log(np.random.default_rng(seed + 1000).dirichlet(np.ones(M))) if again else None
+    first = np.zeros(M) if known is None else known
+    one = max(first[c] + sum(row[c] for row in rows) for c in range(M))
     gains = {
         cut: max(
-            sum(row[a] for row in rows[:cut]) + sum(row[b] for row in rows[cut:])
+            first[a] + sum(row[a] for row in rows[:cut]) + sum(row[b] for row in rows[cut:])
             for a, b in product(range(M), repeat=2)
         )
         - one
-        for cut in range(shortest, n - shortest + 1)
+        for cut in range(0 if again else shortest, n - shortest + 1)
     }
-    cut, gain = best_cut(rows, shortest)
+    cut, gain = best_cut(rows, shortest, known)
     if not gains:
         assert (cut, gain) == (0, 0.0)
         return
@@ -63,7 +65,8 @@ def test_the_delay_is_what_the_likelihoods_say():
     # log(0.9 * 0.05 + 0.025) = -2.659 of each other: a difference of 2.424. Of it 0.4 counts, so
     # that a change after as much of another place is 0.969 a stretch more likely, and 3 are
     # passed with the fourth stretch; it is complete when the fifth begins, 0.8 m on.
-    [(noticed, put)] = drive(ChangedEvidence(shortest=0.2), [0] * 40 + [1] * 40, step=0.2)
+    boundary = ChangedEvidence(shortest=0.2, threshold=3.0, independent=0.4)
+    [(noticed, put)] = drive(boundary, [0] * 40 + [1] * 40, step=0.2)
     assert (noticed, put) == (pytest.approx(8.8), pytest.approx(8.0))
 
 
@@ -101,13 +104,16 @@ def test_entering_another_area_begins_anew():
 
 
 def test_areas_join_unless_two_are_likelier():
-    boundary = ChangedEvidence(threshold=3.0)
+    boundary = ChangedEvidence(rejoin=3.0)
     office, kitchen = np.log(sure_of(0)), np.log(sure_of(1))
     # Two are likelier by the smaller of the two leads: log(0.85 / 0.05) = 2.83.
     assert boundary.joins(office, kitchen)
     assert not boundary.joins(2 * office, 2 * kitchen)
     assert boundary.joins(9 * office, 9 * office)
     assert boundary.joins(np.zeros(M), 9 * kitchen)
+    of_one_class = ChangedEvidence(rejoin=0.0)
+    assert of_one_class.joins(office, 9 * office)
+    assert not of_one_class.joins(office, 0.1 * kitchen)
 
 
 @pytest.mark.parametrize(
@@ -117,3 +123,15 @@ def test_areas_join_unless_two_are_likelier():
 def test_impossible_parameters_are_errors(name, value):
     with pytest.raises(UsageError, match=name):
         ChangedEvidence(**{name: value}).check_parameters()
+
+
+def test_what_was_seen_on_earlier_visits_is_the_place_before():
+    """An area that is entered again and left after 0.3 m, too short to be a place by itself."""
+    boundary = ChangedEvidence()
+    boundary.reset()
+    assert drive(boundary, [0] * 3 + [2] * 30) == []
+    boundary.reset()
+    boundary.recall(3 * np.log(sure_of(0)))
+    [(noticed, put)] = drive(boundary, [0] * 3 + [2] * 30)
+    assert put == pytest.approx(0.3, abs=0.21)
+    assert noticed < 2

@@ -139,8 +139,8 @@ def test_driving_in_circles_adds_nothing(floor):
         made = floor.semantic_map()
         held = sum(len(area.trajectory) for area in made.areas)
         sizes.append((len(made.areas), len(made.nodes), len(made.edges), held))
-        assert len(floor.of_area_) <= 31
-        assert len(floor.of_node_) <= 31
+        assert len(floor.journey_.of_area) <= 31
+        assert len(floor.journey_.of_node) <= 31
     assert sizes[1] == sizes[-1]
     assert [area.label for area in made.areas] == ["corridor", "office", "kitchen"]
 
@@ -279,7 +279,7 @@ def test_full_turns_lead_to_other_bins():
     wrapped = (headings + np.pi) % (2 * np.pi) - np.pi
     for i, theta in enumerate(wrapped):
         accumulator.update(Observation(i, pose=Pose2D(0, 0, float(theta))), says("office"))
-    assert len(accumulator.of_area_) == len(headings)
+    assert len(accumulator.journey_.of_area) == len(headings)
 
 
 def test_updates_are_given_one_at_a_time_and_none_is_lost():
@@ -295,7 +295,7 @@ def test_standing_between_two_nodes_heaps_up_no_updates():
     for i in range(500):
         pose = Pose2D(0.5 + 0.1 * (i % 2), 0, 0)
         accumulator.update(Observation(100 + i, pose=pose), says("office"))
-    assert len(accumulator.updates_) <= 2
+    assert len(accumulator.journey_.news) <= 2
 
 
 @pytest.mark.parametrize("pose", [None, Pose2D(np.nan, 0, 0), Pose2D(0, np.inf, 0)])
@@ -359,6 +359,22 @@ def test_no_edge_leads_over_a_jump():
     assert max(abs(at[a] - at[b]) for a, b in made.edges) < 2
     assert len(made.areas) == 2
     assert accumulator.warnings()[0].startswith("the pose jumped 1 times")
+
+
+def test_a_minute_without_observations_breaks_the_way_off():
+    """The robot was seen 20 m further on: there was time for it, and nobody knows the way."""
+    accumulator = SpatioTemporal(boundary=Doors())
+    follow(accumulator, way((0, 0), (2.5, 0)), lambda _: says("office"))
+    for step, pose in enumerate(way((22.5, 0), (25, 0))):
+        seen = Observation(60 * 10**9 + step * 10**8, pose=pose)
+        accumulator.update(seen, says("kitchen"))
+    made = accumulator.semantic_map()
+    assert [area.label for area in made.areas] == ["office", "kitchen"]
+    at = {node.id: node.x for node in made.nodes}
+    assert max(abs(at[a] - at[b]) for a, b in made.edges) < 2
+    assert accumulator.warnings() == [
+        "the log has 1 gaps over which the robot drove on unseen: the map is broken off there"
+    ]
 
 
 def test_a_robot_that_was_carried_to_where_it_has_been_is_there():

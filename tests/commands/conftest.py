@@ -43,6 +43,14 @@ def laser_model(shared: Path, log_a: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def labelled(shared: Path, laser_model: Path, log_b: Path) -> Path:
+    """What label makes of the second log, one observation at a time."""
+    out = shared / "labelled"
+    succeeds("label", f"model={laser_model}", f"log={log_b}", "batch=1", f"out={out}")
+    return out
+
+
+@pytest.fixture(scope="session")
 def model(shared: Path, log_a: Path) -> Path:
     out = shared / "both"
     parts = {"cues.crfh": 1, "cues.laser": 0.01, "integrator": 0.1}

@@ -11,8 +11,9 @@ import cv2
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from mcap.writer import IndexType, Writer
 
-from command_line import succeeds
+from command_line import placecue, succeeds
 from mcap_logs import Ros2Log, json_messages
 from placecue.logs import open_log
 from rooms import ANGLES, Rooms
@@ -143,7 +144,8 @@ def test_what_is_left_out_is_told(tmp_path: Path) -> None:
     source = everything(tmp_path / "in.mcap")
     words = [str(source), str(tmp_path / "out.mcap"), "source.label_topic=/label_of_nothing"]
     told = succeeds("convert", *words).out
-    assert "left out: /chatter (std_msgs/msg/String, 5 messages), metadata site; keep=all" in told
+    assert "left out: /chatter (std_msgs/msg/String, 5 messages), metadata site, " in told
+    assert "attachment notes.txt; keep=all copies them" in told
     assert "std_msgs/msg/String" in counts(tmp_path / "out.mcap")  # the labels alone
 
 
@@ -164,6 +166,41 @@ def test_all_is_kept(tmp_path: Path) -> None:
         assert {m.name: m.metadata for m in reader.iter_metadata()}["site"] == {"building": "A"}
         assert [a.data for a in reader.iter_attachments()] == [b"hello"]
     assert [len(each.scan.ranges) for each in open_log(out) if each.scan] == [3] * 5
+
+
+def without_index(path: Path, out: Path) -> Path:
+    """Write the messages and attachments of a log anew, as a recorder that keeps no index does."""
+    with path.open("rb") as file, out.open("wb") as made:
+        reader = make_reader(file)
+        writer = Writer(made, index_types=IndexType.NONE, use_statistics=False)
+        writer.start()
+        for schema, channel, message in reader.iter_messages():
+            assert schema is not None
+            number = writer.register_schema(schema.name, schema.encoding, schema.data)
+            topic = writer.register_channel(channel.topic, channel.message_encoding, number)
+            writer.add_message(topic, message.log_time, message.data, message.publish_time)
+        for each in reader.iter_attachments():
+            writer.add_attachment(1, 1, each.name, each.media_type, each.data)
+        writer.finish()
+    return out
+
+
+def test_attachments_of_a_file_without_an_index(tmp_path: Path) -> None:
+    source = without_index(everything(tmp_path / "whole.mcap"), tmp_path / "in.mcap")
+    words = [str(source), "keep=all", "source.label_topic=/label_of_nothing"]
+    succeeds("convert", *words, str(tmp_path / "out.mcap"))
+    with (tmp_path / "out.mcap").open("rb") as file:
+        assert [a.data for a in make_reader(file).iter_attachments()] == [b"hello"]
+
+
+def test_an_attachment_larger_than_the_limit_is_told(tmp_path: Path) -> None:
+    source = everything(tmp_path / "in.mcap")
+    words = [str(source), "keep=all", "source.label_topic=/label_of_nothing", "limits.file=20"]
+    told = placecue("convert", *words, str(tmp_path / "out.mcap"))
+    assert told.status == 0
+    assert "1 of 1 attachments are left out" in told.err
+    with (tmp_path / "out.mcap").open("rb") as file:
+        assert list(make_reader(file).iter_attachments()) == []
 
 
 def test_topics_that_are_written_give_way(tmp_path: Path, two_lasers: Path) -> None:

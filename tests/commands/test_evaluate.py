@@ -94,6 +94,9 @@ def test_the_report_is_made_again_without_the_logs(evaluated: Path, tmp_path: Pa
 
 def test_runs_are_merged(four: list[Path], tmp_path: Path) -> None:
     words = [*LASER, FEW[0], "executor=none", f"logs={four[0].parent}", "figures=[]"]
+    words.append(
+        "accumulators={by node: 'accumulator=crf accumulator.same=1', hmm: 'accumulator=hmm'}"
+    )
     for light in ("day", "night"):
         pairs = f"pairs={{of {light}: {{same: [light], where: {{light: {light}}}}}}}"
         where = "conditions.pattern='(?P<light>[a-z]+)'"
@@ -103,6 +106,17 @@ def test_runs_are_merged(four: list[Path], tmp_path: Path) -> None:
     told = succeeds("report", folders, f"out={merged}")
     assert "of day" in told.out
     assert len(rows(merged)) == 4
+    areas = list(csv.DictReader((merged / "areas.csv").read_text().splitlines()))
+    assert [(each["experiment"], each["accumulator"], each["pairs"]) for each in areas] == [
+        (of, name, "2") for of in ("of day", "of night") for name in ("by node", "hmm")
+    ]
+    for each in areas:  # the logs have as many samples of each class
+        of = [
+            float(row["score"]) for row in rows(merged) if row["experiment"] == each["experiment"]
+        ]
+        assert float(each["single (%)"]) == pytest.approx(50 * sum(of), abs=0.01)
+        assert 0 < float(each["way (%)"]) <= 100
+    assert "free space (%)" in (merged / "report.html").read_text()
     twice = f"merge=[{tmp_path / 'day'},{tmp_path / 'day'}]"
     assert "that another folder has, too" in placecue("report", twice, f"out={tmp_path / 'x'}").line
 
@@ -117,6 +131,8 @@ def test_runs_are_merged(four: list[Path], tmp_path: Path) -> None:
         ([*LASER, "log=[{0},{1}]", "only=[sift]"], "only: no method 'sift'"),
         ([*LASER, "log=[{0},{1}]", "figures=[{{name: a, kind: pie}}]"], "is of no kind 'pie'"),
         ([*LASER, "log=[{0},{1}]", "every=0"], "every"),
+        ([*LASER, "log={0}", "pairs=folds", "accumulators=[hmm]"], "label whole recordings"),
+        ([*LASER, "log=[{0},{1}]", "accumulators=3"], "accumulators must be a list such as"),
         ([*LASER, "logs=nowhere"], "logs=nowhere is no folder"),
         (["experiment=nothing"], "unknown experiment 'nothing'"),
         ([], "no recordings to evaluate on"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import signal
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from command_line import placecue, succeeds
@@ -107,6 +109,36 @@ def test_a_folder_with_nothing_but_parts_of_a_killed_run(tmp_path: Path, log_a: 
     train = ["cue=laser", "integrator=none", "cues.laser.classifier.search=null"]
     succeeds("train", *train, f"log={log_a}", "out=out")
     assert list((tmp_path / "out").rglob(".*")) == []
+
+
+def written(out: Path) -> dict[str, bytes]:
+    """Return what has its name in a folder, but for the report, which says when it was written."""
+    found = [each for each in out.iterdir() if each.suffix in (".csv", ".json", ".mcap")]
+    return {each.name: each.read_bytes() for each in found}
+
+
+def test_killed_at_random_moments_nothing_is_half_written(
+    tmp_path: Path, laser_model: Path, log_b: Path
+) -> None:
+    words = ["classify", laser_model, log_b, "cache.folder=null", "report=false"]
+    began = time.perf_counter()
+    succeeds(*words, "out=whole")
+    took, due = time.perf_counter() - began, written(tmp_path / "whole")
+    assert len(due) == 3
+    fork, killed = multiprocessing.get_context("fork"), 0
+    for moment in np.random.default_rng(12).uniform(0.05, 0.9, 4):
+        child = fork.Process(target=placecue, args=(*words, "out=out", "overwrite=true"))
+        child.start()
+        child.join(moment * took)
+        killed += child.is_alive()
+        child.kill()
+        child.join()
+        left = written(tmp_path / "out") if (tmp_path / "out").is_dir() else {}
+        assert left.items() <= due.items()
+    assert killed
+    succeeds(*words, "out=out", "overwrite=true")
+    assert written(tmp_path / "out") == due
+    assert list((tmp_path / "out").glob(".*")) == []
 
 
 def test_every_plugin_is_heard(monkeypatch: pytest.MonkeyPatch) -> None:

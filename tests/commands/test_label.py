@@ -48,9 +48,8 @@ def test_every_boundary(tmp_path: Path, model: Path, log_b: Path, boundary: str)
     assert f"its picture                            {out / 'semantic_map.png'}" in told.out
 
 
-def test_what_is_written(tmp_path: Path, laser_model: Path, log_b: Path) -> None:
-    out = tmp_path / "out"
-    succeeds("label", f"model={laser_model}", f"log={log_b}", f"out={out}")
+def test_what_is_written(labelled: Path) -> None:
+    out = labelled
     table = rows(out / "beliefs.csv")
     beliefs = messages(out / "annotated.mcap", "/placecue/belief")
     assert [(b["stamp"], b["label"]) for b in beliefs] == [

@@ -2,7 +2,9 @@
 
 import gc
 import tracemalloc
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -101,3 +103,47 @@ def test_memory_does_not_grow_with_the_log(fitted: Pipeline, tmp_path: Path) -> 
     assert len(memory.held) == rounds
     # An observation with its scan takes over a kilobyte; what grows is the output's chunk index.
     assert (memory.held[-1] - memory.held[1]) / (3 * ROUND) < 500
+
+
+Said = list[tuple[int, str, float, Any]]
+
+
+class Heard:
+    """Notes what is believed."""
+
+    def __init__(self) -> None:
+        self.said: Said = []
+
+    def observe(
+        self, observation: Observation, belief: Belief | None, update: AreaUpdate | None
+    ) -> None:
+        assert belief is not None
+        scores = belief.scores.values.tolist()
+        self.said.append((observation.stamp, belief.label, belief.confidence, scores))
+
+
+def labelled(fitted: Pipeline, log: Iterable[Observation]) -> tuple[Said, dict]:
+    heard = Heard()
+    gathered = accumulator()
+    run_log(fitted, log, [heard], accumulator=gathered, batch=4)
+    return heard.said, gathered.semantic_map().to_json()
+
+
+def fed(path: Path) -> Iterable[Observation]:
+    """The observations of a log whose messages are handed over one at a time."""
+    log = open_log(path)
+    feed = log.feed()
+    for message in log.file.messages(log.file.contents.channels):
+        yield from filter(None, map(feed.observation, feed.push(message)))
+    yield from filter(None, map(feed.observation, feed.finish()))
+
+
+def test_fed_message_by_message_a_log_comes_to_the_same(fitted: Pipeline, tmp_path: Path) -> None:
+    walk = tmp_path / "walk.mcap"
+    with McapWriter(walk) as writer:
+        for observation in Walk(rounds=1, seed=1):
+            writer.write(observation)
+    said, semantic_map = labelled(fitted, open_log(walk))
+    assert (said, semantic_map) == labelled(fitted, fed(walk))
+    assert len(said) == 80
+    assert len(semantic_map["areas"]) > 4

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from hydra import compose, initialize_config_module
 
+from placecue.components.options import register_with_hydra
 from placecue.errors import DataError, UsageError
 from placecue.limits import Limits, current_limits, limited
 from placecue.nesting import check_depth
@@ -34,8 +35,9 @@ def test_what_is_no_limit_is_refused(given: dict[str, object], said: str) -> Non
 
 
 def test_the_config_has_the_defaults_of_the_code() -> None:
+    register_with_hydra()
     with initialize_config_module("placecue_conf", version_base="1.3"):
-        for command in ("train", "classify", "label", "info", "annotate", "demo"):
+        for command in ("train", "classify", "label", "live", "info", "annotate", "demo"):
             assert dict(compose(command).limits) == {
                 name: getattr(Limits(), name) for name in Limits.__slots__
             }

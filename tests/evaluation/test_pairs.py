@@ -111,6 +111,8 @@ ABC = [recorded("a", light="day"), recorded("b", light="day"), recorded("c", lig
         ({"same": ["light"], "where": {"light": "day"}}, {"a b", "b a"}),
         ([["a", "b"], [["a", "b"], "c"]], {"a b", "a+b c"}),
         ("leave_one_out", {"a+b c", "a+c b", "b+c a"}),
+        ({"way": "leave_one_out"}, {"a+b c", "a+c b", "b+c a"}),
+        ({"way": "all", "where": {"light": "day"}}, {"a b", "b a"}),
         (
             "folds",
             {f"{n} without fold {k} {n} fold {k}" for n in "abc" for k in (1, 2)},
@@ -130,6 +132,9 @@ def test_ways_to_pick_pairs(pairs, expected):
         ([["a", "d"]], "names a recording 'd'"),
         ([["a", "a"]], "tests on what it trains on"),
         (["a"], "a pair must be [train, test], got 'a'"),
+        ({"way": "every"}, "pairs {way: every} make no sense: way is one of all, leave_one_out"),
+        ({"way": "all", "same": ["light"]}, "pairs {way: all, same} make no sense"),
+        ({"way": "all", "where": {"light": "dusk"}}, "no two of 3 recordings are a pair by"),
         ("every", "pairs must be a rule, a list, or a word"),
         ({"like": ["light"], "same": []}, "a rule for pairs has no 'like'"),
     ],

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 from bags import Recording
-from mcap_logs import START, heading
+from mcap_logs import DEFINITIONS, START, heading, jpeg
 from placecue.errors import DataError, UsageError
 from placecue.logs import McapLog, open_log
 from placecue.logs.info import summarise
+from placecue.logs.joining.transforms import TransformBuffer
+from placecue.logs.messages.geometry import NO_TURN, Transform
 from placecue.logs.rosbag import RosbagLog
 
 HALF_OVER = {"x": 1.0, "y": 0.0, "z": 0.0, "w": 0.0}
@@ -379,3 +381,140 @@ def test_transforms_follow_a_clock_that_jumps_back(ros2: Any) -> None:
     found = xs(log.close())
     assert found[:38] == pytest.approx([float(i) for i in range(38)])
     assert found[-25:] == pytest.approx([100.0 + i for i in range(15, 40)])
+
+
+@pytest.mark.parametrize("moves", [False, True])
+def test_a_static_transform_that_is_said_anew_holds_from_then_on(ros2: Any, moves: bool) -> None:
+    log = ros2()
+    log.transform(0.0, "base_link", "laser", (0.2, 0.0, 0.0), LEVEL)
+    for i in range(40):
+        if moves:
+            log.transform(0.1 * i, "odom", "base_link", (0.1 * i, 0.0, 0.0), LEVEL, topic="/tf")
+        if i in (10, 20):  # the first of them says nothing new
+            log.transform(0.1 * i, "base_link", "laser", (i // 20 + 0.2, 0.0, 0.0), LEVEL)
+        log.scan(0.1 * i, [1.0])
+    path = log.close()
+    due = [0.2] * 20 + [1.2] * 20
+    for skipped in (0, 25):  # what came before the part that is read holds too
+        found = [each.scan.mount.x for each in open_log(path, start=0.1 * skipped) if each.scan]
+        assert found == pytest.approx(due[skipped:])
+
+
+def test_a_static_transform_that_is_said_again_takes_no_memory() -> None:
+    buffer = TransformBuffer()
+    for stamp in range(1000):
+        buffer.add(Transform("base_link", "laser", (0.2, 0.0, 0.0), NO_TURN, stamp), static=True)
+    assert len(buffer.edges["laser"].history) == 1
+
+
+def test_a_pose_that_no_transform_carries_is_left_out(
+    ros2: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The camera turns on the robot; nobody knows how from the third second on."""
+    log = ros2()
+    for i in range(40):
+        if i < 20:
+            log.transform(0.1 * i, "base_link", "camera", (1, 0, 0), heading(0.1 * i), topic="/tf")
+        odometry(log, 0.1 * i, float(i), 0.0, "camera")
+        log.scan(0.1 * i, [1.0], frame="base_link")
+    found = xs(log.close())
+    # Seen from the camera the robot lies at (-cos, sin) of its turn.
+    assert found[:20] == pytest.approx([i - math.cos(0.1 * i) for i in range(20)])
+    assert found[22:] == [None] * 18
+    assert "cannot be carried to 'base_link': no transform is near in time" in caplog.text
+
+
+@pytest.mark.parametrize(("child", "told"), [("camera_link", True), ("chassis", False)])
+def test_whose_pose_it_is_without_transforms(
+    ros2: Any, caplog: pytest.LogCaptureFixture, child: str, told: bool
+) -> None:
+    log = ros2()
+    odometry(log, 0.0, 3.0, 0.0, child)
+    log.scan(0.0, [1.0])
+    assert xs(log.close()) == [3.0]
+    assert ("poses are of 'camera_link', which transforms do not connect" in caplog.text) is told
+
+
+def test_a_pose_without_a_heading_is_told(ros2: Any, caplog: pytest.LogCaptureFixture) -> None:
+    log = ros2()
+    for i in range(3):
+        odometry(log, 0.1 * i, 3.0, 0.0, "base_link", turned=dict.fromkeys("xyzw", 0.0))
+        log.scan(0.1 * i, [1.0])
+    assert xs(log.close()) == [3.0] * 3
+    assert "3 poses say no heading, and are taken to look along x" in caplog.text
+
+
+@pytest.mark.parametrize("ahead", [3600, -3600])
+def test_labels_with_stamps_of_another_clock(
+    as_json: Any, ahead: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Those of the labels are on the recorder's."""
+    log = as_json()
+    for i in range(20):
+        if i % 10 == 0:
+            label = {"stamp": START + i * 10**8, "label": "ab"[i // 10]}
+            log.put("/label", "placecue.Label", label, 0.1 * i)
+        log.scan(0.1 * i, [1.0], timestamp=log.time(0.1 * i + ahead))
+    assert [each.label for each in open_log(log.close())] == list("a" * 10 + "b" * 10)
+    assert "/label brought to the clock of /scan" in caplog.text
+
+
+def test_steps_in_degrees_are_no_scan(ros2: Any, caplog: pytest.LogCaptureFixture) -> None:
+    log = ros2()
+    log.scan(0.0, [1.0] * 361, first=-180.0, step=1.0)
+    log.scan(0.1, [1.0] * 361, first=-math.pi, step=math.radians(1.0))
+    assert len(list(open_log(log.close()))) == 1
+    assert "361 beams in steps of 1 rad turn 57 times" in caplog.text
+
+
+def test_transforms_that_do_not_place_the_robot_are_told(
+    ros2: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    log = ros2()
+    for i in range(10):
+        log.transform(0.1 * i, "map", "camera_link", (float(i), 0.0, 0.0), LEVEL, topic="/tf")
+        log.image(0.1 * i, jpeg())
+    path = log.close()
+    assert xs(path) == [None] * 10
+    assert "no pose: the transforms do not place 'base_link' in any of map, world" in caplog.text
+    assert "frames: camera_link, map; set source.base_frame" in caplog.text
+    assert xs(path, base_frame="camera_link") == pytest.approx(list(range(10)))
+    [told] = [each for each in summarise(McapLog(path)).parts if each.part == "pose"]
+    assert "do not place 'base_link'" in told.reason
+
+
+def test_odometry_of_something_else_is_not_taken_by_itself(ros2: Any) -> None:
+    log = localised(ros2)
+    for i in range(40):
+        log.odom(0.1 * i, 50.0, 0.0, 0.0, topic="/target/odom")
+    path = log.close()
+    assert xs(path) == pytest.approx([5 + 0.3 * i for i in range(40)])
+    assert xs(path, pose_topic="/target/odom") == [50.0] * 40
+
+
+def test_poses_that_change_their_frame_are_not_joined(
+    ros2: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    log = ros2()
+    for i in range(10):
+        frame, x = ("odom", 0.1 * i) if i < 5 else ("map", 100.0 + i)
+        stamped(log, 0.1 * i, "/pose", frame, x)
+        log.scan(0.1 * i + 0.04, [1.0])
+    found = [(o.pose.x, o.pose.frame) for o in open_log(log.close()) if o.pose]
+    assert found[3] == (pytest.approx(0.34), "odom")
+    assert found[4] == (0.4, "odom")
+    assert found[5] == (pytest.approx(105.4), "map")
+    assert "1 times poses change their frame" in caplog.text
+
+
+def test_a_header_that_does_not_stand_first(ros2: Any) -> None:
+    """Of a definition of one's own."""
+    log, name = ros2(), "sensor_msgs/msg/LaserScan"
+    schema = log.writer.register_msgdef(name, f"uint32 extra\n{DEFINITIONS[name]}")
+    message = {"extra": 7, "header": log.header(1.0, "laser"), "angle_min": -1.0}
+    message |= {"angle_increment": 0.5, "range_max": 10.0, "ranges": [1.0, 2.0]}
+    log.writer.write_message("/scan", schema, message, START, START)
+    (found,) = open_log(log.close())
+    assert found.stamp == START + 1_000_000_000
+    assert found.scan is not None
+    assert found.scan.ranges.tolist() == [1.0, 2.0]

@@ -71,4 +71,7 @@ def _left_out(logs: Sequence[McapLog]) -> str:
     told = [str(topic) for topic in topics[:NAMED]]
     told += [f"{len(topics) - NAMED} more topics"] * (len(topics) > NAMED)
     told += [f"metadata {name}" for name in sorted(records)]
+    attached = [name for each in logs for name in each.file.contents.attachments]
+    told += [f"attachment {name}" for name in attached[:NAMED]]
+    told += [f"{len(attached) - NAMED} more attachments"] * (len(attached) > NAMED)
     return f"left out: {', '.join(told)}; keep=all copies them" if told else ""

@@ -41,6 +41,7 @@ from placecue.evaluation.protocol.plan import Protocol
 from placecue.evaluation.protocol.recordings import Recorded, recordings_of
 from placecue.evaluation.results import about as abouts
 from placecue.evaluation.results.about import About, Method
+from placecue.evaluation.results.areas import AreaStore
 from placecue.evaluation.results.result import Result
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.store import ResultStore
@@ -140,6 +141,7 @@ def _about(config: Mapping[str, Any], run: Evaluation, plugins: Plugins, began: 
         methods=_told(run.methods),
         experiments=_counts(run),
         digests=list(run.digests.values()),
+        areas=run.areas,
         figures=_drawn(config, "figures", run.methods),
         tables=_drawn(config, "tables", run.methods),
         paper=config["paper"],
@@ -170,7 +172,9 @@ def bench_of(config: Mapping[str, Any], out: Path, methods: Methods, plugins: Pl
     check_whole("every", config["every"], least=1)
     folder, _ = cache_of(config)
     named = with_names(config)
-    needed = parts_needed(methods, plugins, rooms=bool(config.get("rooms")))
+    accumulators = accumulators_in(config)
+    poses = bool(config.get("rooms") or accumulators)
+    needed = parts_needed(methods, plugins, poses=poses, scans=bool(accumulators))
     return Bench(
         str(out.absolute()),
         str((folder if folder is not None else out / "cache").absolute()),
@@ -179,12 +183,15 @@ def bench_of(config: Mapping[str, Any], out: Path, methods: Methods, plugins: Pl
         config["folds"],
         {key: named.get(key) for key in ("rooms", "label_map", "unmapped_labels")},
         on_error_of(config) == "skip",
+        accumulators,
     )
 
 
-def parts_needed(methods: Methods, plugins: Plugins, *, rooms: bool) -> list[Part]:
-    """Return the parts of an observation that any of the cues needs, and labels."""
-    needed = {"label", *(("pose",) if rooms else ())}
+def parts_needed(
+    methods: Methods, plugins: Plugins, *, poses: bool, scans: bool = False
+) -> list[Part]:
+    """Return the parts of an observation that any of the cues needs, labels, and what is asked."""
+    needed = {"label", *(("pose",) if poses else ()), *(("scan",) if scans else ())}
     for model in methods.models.values():
         needed |= set(build(model.cue, "cue", plugins.registry, model.name).requires)
     return [part for part in PARTS if part in needed]
@@ -213,6 +220,28 @@ def methods_in(config: Mapping[str, Any]) -> Methods:
     if not only:
         return found
     return found.only([str(each) for each in (only if isinstance(only, list) else [only])])
+
+
+def accumulators_in(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the configs of the accumulators that a config names, by name.
+
+    Raises
+    ------
+    UsageError
+        If they are neither named in a list nor words by name.
+    """
+    given = config.get("accumulators") or {}
+    if isinstance(given, list):
+        given = {str(each): f"accumulator={each}" for each in given}
+    if not isinstance(given, Mapping):
+        raise UsageError(
+            "accumulators must be a list such as [spatiotemporal,hmm], or a mapping of names to "
+            f"words after placecue label, got {given!r}"
+        )
+    return {
+        name: plain(compose("label", opened(str(words).split()))["accumulator"])
+        for name, words in given.items()
+    }
 
 
 def composed(words: Sequence[str]) -> Mapping[str, Any]:
@@ -298,8 +327,8 @@ def _alone(out: Path) -> Iterator[None]:
 
 def _forget(out: Path) -> None:
     """Remove what an older run has computed, for it to be computed anew."""
-    for folder in (ResultStore(out).folder, out / "scores"):
-        for path in folder.glob("*.npz"):
+    for folder in (ResultStore(out).folder, out / "scores", AreaStore(out).folder):
+        for path in (*folder.glob("*.npz"), *folder.glob("*.json")):
             path.unlink(missing_ok=True)
 
 

@@ -11,11 +11,11 @@ from placecue import contracts, progress
 from placecue.atomic import made, write_json
 from placecue.commands import as_json, files, reporting, show, tables
 from placecue.commands.features import extraction_of
+from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
-from placecue.evaluation.map_figure import draw_semantic_map
 from placecue.evaluation.report.labelling import run_page
 from placecue.evaluation.report.sampled import MistakeSample
 from placecue.evaluation.surroundings import Surroundings
@@ -28,7 +28,6 @@ from placecue.logs.writing.annotated import LAYOUT, AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
 from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
-from placecue.storage.map_files import write_map_files
 from placecue.surfaces import with_surfaces
 
 WRITES = files.LABELLED
@@ -98,17 +97,7 @@ def label(
         annotated.close_with(semantic_map)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out)
-    write_json(out / files.MAP, semantic_map.to_json())  # whatever becomes of the picture
-    write_json(out / files.GEOJSON, semantic_map.to_geojson())
-    write_map_files(semantic_map, grid, out)
-    draw_semantic_map(
-        semantic_map,
-        out / files.PICTURE,
-        points=surroundings.points,
-        classes=pipeline.classes,
-        truth=surroundings.truth,
-        title=log.name,
-    )
+    write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name)
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
     facts = reporting.facts(config, log.name)

@@ -7,6 +7,7 @@ COMMANDS = {
     "train": "log(s) -> model folder",
     "classify": "model + log -> beliefs (MCAP, CSV); scores where the log is labelled",
     "label": "model + log -> semantic map, online in one pass",
+    "live": "model + a robot that drives -> beliefs and a growing map, served likewise",
     "where": "a map and a position -> which room, and how sure",
     "evaluate": "an experiment: pairs of logs, methods -> tables, figures, significance",
     "report": "a run folder, or several -> its tables, figures and page, made again",
@@ -24,6 +25,8 @@ COMMANDS = {
 TRACEBACK = "PLACECUE_TRACEBACK"
 
 LOG, OUT, MODEL = "log", "out", "model"
+#: The command whose log is the address of a robot.
+LIVE = "live"
 #: What paths that stand by themselves are: the first key takes all of them, but ``out`` is the last
 #: of two or more, and ``model`` one that is a model's folder.
 PATHS: dict[str, tuple[str, ...]] = {
@@ -31,6 +34,7 @@ PATHS: dict[str, tuple[str, ...]] = {
     "train": (LOG,),
     "classify": (LOG, MODEL),
     "label": (LOG, MODEL),
+    LIVE: (LOG, MODEL),
     "teach": (LOG, MODEL),
     "suggest": (LOG, MODEL),
     "evaluate": (LOG,),

@@ -15,6 +15,8 @@ from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
 from placecue.evaluation.results import about as abouts
 from placecue.evaluation.results.about import About
+from placecue.evaluation.results.areas import FILE as AREAS
+from placecue.evaluation.results.areas import AreaStore, areas_table, write_areas
 from placecue.evaluation.results.kept import kept, merged
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.tables import FILE, summary_table
@@ -37,6 +39,7 @@ def run(config: dict[str, Any]) -> None:
         about, results = merged([Path(str(folder)) for folder in folders])
         about.save(out)
         results.save(out)
+        AreaStore(out).take_over([Path(str(folder)) for folder in folders])
     else:
         about, results = kept(out)
     tables.written(write(config, out, about, results))
@@ -49,14 +52,20 @@ def write(
     """Print the summary; write tables, figures and the page of results, and return where."""
     shown = summary_table(results, results.methods, results.experiments)
     tables.table(shown.columns, [[shown.shown(cell) for cell in row] for row in shown.rows])
+    areas = AreaStore(out).of(about.areas)
+    if areas:
+        write_areas(areas, out)
+        told = areas_table(areas)
+        tables.table(told.columns, [[told.shown(cell) for cell in row] for row in told.rows])
     made, warnings = write_tables_and_figures(out, about, results)
     for line in warnings:
         print(f"note: {line}")
     about = replace(about, warnings=[*about.warnings, *warnings])
     reopen = partial(open_recording, about)
-    reporting.write(config, out, lambda: report_page(about, results, made, reopen))
+    reporting.write(config, out, lambda: report_page(about, results, made, reopen, areas))
     return [
         ("results", out / FILE),
+        *([("areas", out / AREAS)] if areas else []),
         ("figures", out / FIGURES),
         *reporting.written(config, out),
     ]

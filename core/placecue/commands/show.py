@@ -59,6 +59,12 @@ def training(pipeline: Pipeline, report: Sequence[tuple[str, Path]]) -> None:
             f"keeps {_percent(found.accept_rate)} % of the {found.n_right} right decisions and "
             f"accepts {_percent(found.false_accept_rate)} % of the {found.n_wrong} wrong ones"
         )
+    measured = pipeline.calibration_
+    if measured is not None:
+        print(
+            f"probabilities: a score of 1 is worth log odds of {measured.sharpness:.3g}; log loss "
+            f"{measured.log_loss:.3f} on {measured.n} held-out samples"
+        )
     if report:
         written(report)
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from placecue.commands.names import MODEL, OUT, PATHS
+from placecue.commands.names import LIVE, MODEL, OUT, PATHS
 from placecue.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ def prepared(command: str, words: Sequence[str]) -> list[str]:
     from placecue.components.manager import current_plugins
 
     found = in_keys(command, words)
+    if command == LIVE:
+        return found  # what is read is no file
     with suppress(*([UsageError] if command == "doctor" else [])):  # which tells it beside the rest
         found = with_source(found, current_plugins().registry)
     logs = logs_in(found)
@@ -123,6 +125,8 @@ def _given(command: str, paths: list[str], keys: set[str]) -> dict[str, list[str
 
 def _split(command: str, path: str) -> list[str]:
     """Return the MCAP files of a recording that ROS 2 has split; else the path itself."""
+    if command == LIVE:
+        return [path]
     folder = Path(path).expanduser()
     if not folder.exists() and not re.search(r"[./]", path):
         raise UsageError(f"{command}: '{path}' is neither key=value nor a file that is there")

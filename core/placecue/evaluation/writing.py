@@ -12,10 +12,15 @@ from placecue.evaluation.report.page import Page
 from placecue.evaluation.report.table import Table
 from placecue.evaluation.report.views import OpenRecording
 from placecue.evaluation.results.about import About
+from placecue.evaluation.results.areas import AreaResult, areas_table
 from placecue.evaluation.results.results import Results
 from placecue.evaluation.results.tables import write_results
 
 FIGURES = "figures"
+AREAS = (
+    "Shares of single beliefs, of the way, of nodes, areas and free space that are labelled "
+    "rightly, and the time until the label of the place is; means over pairs"
+)
 SIGNIFICANCE = "significance"
 #: What is drawn where an experiment asks for nothing.
 USUAL: Sequence[dict[str, Any]] = (
@@ -59,11 +64,15 @@ def report_page(
     results: Results,
     made: Sequence[Made],
     open_recording: OpenRecording | None = None,
+    areas: Sequence[AreaResult] = (),
 ) -> Page:
     """Return the page of an evaluation; see :func:`evaluation_page`."""
     figures = {each.spec.name: (svg, _caption(each)) for each in made if (svg := each.svg)}
     told = [each for each in made if each.svg is None]
     summary = [_on_page(each) for each in told if _kind(each) != SIGNIFICANCE]
+    if areas:
+        table = areas_table(areas)
+        summary.append(Table(table.columns, table.rows, title="Areas", note=AREAS, digits=1))
     tests = [each for each in told if _kind(each) == SIGNIFICANCE and each.drawn.table.rows]
     significance = [_on_page(each) for each in tests]
     return evaluation_page(about, results, figures, summary, significance, open_recording)

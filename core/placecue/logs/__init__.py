@@ -32,6 +32,13 @@ def placecue_components() -> list[Component]:
             requires=("path",),
             recognise="placecue.logs.recognise:rosbag",
         ),
+        Component(
+            kind="source",
+            name="foxglove",
+            factory="placecue.logs.live.log:LiveLog",
+            summary="a robot while it drives, over Foxglove's WebSocket protocol (placecue live)",
+            requires=("path",),
+        ),
     ]
 
 

@@ -6,6 +6,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from inspect import signature
 from math import isnan
@@ -19,6 +20,7 @@ from placecue.errors import (
 )
 from placecue.faults import Faults
 from placecue.logs.joining import clocks, depth, topics
+from placecue.logs.joining.feed import Feed
 from placecue.logs.joining.frames import readers_of
 from placecue.logs.joining.items import APART, TopicReader
 from placecue.logs.joining.labels import Intervals, Seen
@@ -105,9 +107,11 @@ class McapLog(LogOptions):
         if part != "pose":
             return topics.choose(part, self.topics, name, where)
         frames = self.frames
-        return choose_pose(
+        found = choose_pose(
             self.topics, name, where, frames.driver, frames.moving_topics, frames.may_be_fixed
         )
+        lost = not found.topics and not found.others and frames.unplaced is not None
+        return replace(found, reason=frames.unplaced or "") if lost else found
 
     @property
     def driver(self) -> Part:
@@ -123,7 +127,7 @@ class McapLog(LogOptions):
             return None
         camera = self.choices["image"].topic
         assert camera is not None  # or it would not drive
-        return silence_of(self.file, camera, self.silence)
+        return silence_of(self.file, camera, self.silence, self.start_time)
 
     @cached_property
     def intervals(self) -> Intervals | None:
@@ -141,7 +145,15 @@ class McapLog(LogOptions):
         chosen = [reader for part in self.choices for reader in self._plain_readers(part)]
         placed = "pose" in self.choices or "scan" in self.choices
         moved = [each for each in self.frames.readers if not each.static] if placed else []
-        return clocks.measured(self.file, [*chosen, *moved])
+        found = clocks.measured(self.file, [*chosen, *moved])
+        return {**found, **self._labels_behind(found.get(self._driver.name, 0))}
+
+    def _labels_behind(self, own: int) -> dict[str, int]:
+        """Return the same of labels with stamps, where those can never meet the drivers' clock."""
+        stamped = [t for t in self._read("label") if not t.schema.endswith("String")]
+        found = clocks.measured(self.file, [TopicReader(self.file, topic) for topic in stamped])
+        length = self.file.contents.end - self.start_time
+        return {name: each for name, each in found.items() if abs(each - own) > length + APART}
 
     @property
     def start_time(self) -> int:
@@ -195,25 +207,36 @@ class McapLog(LogOptions):
         reading = self._reading()
         if not self._faults_told:
             self._tell_taken()
-        seen = Seen()
-        own_clock = self.intervals is not None and not reading.recorded
-        for observation in reading.observations():
-            seen.add(observation.stamp)
-            if self.intervals is not None and own_clock and len(seen) == 1:
-                length = self.file.contents.end - self.file.contents.start
-                self.intervals.check_clock(observation.stamp, length, str(self.path))
-            yield observation
-        if self.intervals is not None and own_clock and not self._faults_told:
-            self.intervals.tell_apart(seen, str(self.path))
+        if self.intervals is None or reading.feed.recorded:
+            yield from reading.observations()
+        else:
+            yield from self._meeting(self.intervals, reading.observations())
         if not self._faults_told:
-            reading.faults.report()
+            reading.feed.faults.report()
             self._faults_told = True
+
+    def _meeting(
+        self, intervals: Intervals, observations: Iterator[Observation]
+    ) -> Iterator[Observation]:
+        """Yield observations; refuse labels of another clock, and tell where none meets the log."""
+        seen = Seen()
+        for observation in observations:
+            seen.add(observation.stamp)
+            if len(seen) == 1:
+                length = self.file.contents.end - self.file.contents.start
+                intervals.check_clock(observation.stamp, length, str(self.path))
+            yield observation
+        if not self._faults_told:
+            intervals.tell_apart(seen, str(self.path))
 
     def _tell_taken(self) -> None:
         """Say what is read, where there was something to choose between."""
         left = {each for choice in self.choices.values() for each in choice.others}
         if any(topics.role_of(topic) != "transform" for topic in left):
             log.info(f"{self.path}: {self.taken()}")
+        pose = self.choices.get("pose")
+        if pose is not None and not pose.topics and pose.reason == self.frames.unplaced:
+            log.warning(f"{self.path}: no pose: {pose.reason}")
 
     def taken(self) -> str:
         """Return in one line which topics and frames are read, and what else there was."""
@@ -265,29 +288,34 @@ class McapLog(LogOptions):
         choice = self.choices.get(part)
         return () if choice is None else choice.topics
 
-    def _reading(self) -> Reading:
+    def feed(self) -> Feed:
+        """Return what takes messages of these topics, one at a time, and gives observations.
+
+        Topics, frames and clocks are what a look at the log found.
+        """
         faults = Faults(str(self.path))
         motion = self.frames.motion(faults)
         readers = [r for part in self.choices for r in self._readers(part, motion, faults)]
-        if self.frames.moves(motion):
-            readers += readers_of(self.file, self.frames.topics)
+        readers += readers_of(self.file, self.frames.taken_in(motion))
         clocks.set_clocks(readers, self.behind, self._driver.name)
-        spans = (self.tolerance, self.window, self.pose_gap)
         if not self._clocks_told:
             clocks.tell(readers, self.behind, self._driver.name, str(self.path))
             self._clocks_told = True
-        return Reading(
-            self.file,
+        return Feed(
             self.driver,
             readers,
             self.intervals,
-            *spans,
-            *self._span(),
+            self.tolerance,
+            self.window,
+            self.pose_gap,
             silence=self.camera_silence,
             motion=motion,
             recorded=self._labels_recorded(),
             faults=faults,
         )
+
+    def _reading(self) -> Reading:
+        return Reading(self.file, self.feed(), *self._span())
 
     @property
     def _driver(self) -> Topic:
@@ -319,7 +347,7 @@ class McapLog(LogOptions):
         if part == "pose":
             found = [topic for topic in chosen if topics.role_of(topic) != "transform"]
             carrier = motion if self.frames.carries(motion) else None
-            return [PoseReader(self.file, topic, carrier) for topic in found]
+            return [PoseReader(self.file, topic, carrier, faults) for topic in found]
         if part == "scan" and chosen:
             place = self.frames.mountings(motion, faults).place
             if chosen[0].depth:

@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from io import BufferedReader
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from placecue.atomic import made, replacing
 from placecue.components.parameter_types import misfits
@@ -25,6 +25,7 @@ from placecue.components.pipelines import build_pipeline, components_of, describ
 from placecue.components.registry import Registry
 from placecue.errors import DataError, PluginError
 from placecue.integration import unfitted
+from placecue.learning.calibration import Calibration
 from placecue.learning.rejection import Rejection
 from placecue.pipeline import Pipeline
 from placecue.scores import Layout
@@ -49,6 +50,7 @@ from placecue.storage.versions import OtherVersions, check_installed, plugins_of
 
 __all__ = ["load_model", "read_manifest", "save_model"]
 
+T = TypeVar("T")
 PACKAGES = ("placecue", "numpy", "scipy", "scikit-learn", "opencv-contrib-python-headless", "numba")
 
 
@@ -186,6 +188,8 @@ def _learned(pipeline: Pipeline, encoder: Encoder) -> dict[str, Any]:
     }
     if pipeline.rejection_ is not None:
         state["rejection"] = asdict(pipeline.rejection_)
+    if pipeline.calibration_ is not None:
+        state["calibration"] = asdict(pipeline.calibration_)
     return state
 
 
@@ -210,7 +214,9 @@ def _restored(manifest: Mapping[str, Any], state: Any, decoder: Decoder) -> Pipe
         pipeline.for_fewer_[cues] = scheme
     pipeline.layout_ = _layout(decoder.decode(state.get("layout")), manifest["classes"])
     if "rejection" in state:
-        pipeline.rejection_ = _rejection(state["rejection"])
+        pipeline.rejection_ = _told("rejection", state["rejection"], Rejection)
+    if "calibration" in state:
+        pipeline.calibration_ = _told("calibration", state["calibration"], Calibration)
     surplus = decoder.arrays.keys() - decoder.used
     if surplus:
         raise DataError(f"{len(surplus)} arrays belong to nothing, such as {min(surplus)!r:.80}")
@@ -233,11 +239,12 @@ def _layout(layout: Any, classes: list[str]) -> Layout | None:
     return layout
 
 
-def _rejection(state: Any) -> Rejection:
-    wrong = misfits(state, Rejection)
+def _told(name: str, state: Any, kind: type[T]) -> T:
+    """Return what a model says of itself, checked."""
+    wrong = misfits(state, kind)
     if wrong:
-        raise DataError(f"rejection: {'; '.join(wrong)}")
-    return Rejection(**state)
+        raise DataError(f"{name}: {'; '.join(wrong)}")
+    return kind(**state)
 
 
 @contextmanager

@@ -107,6 +107,11 @@ class Boundaries:
         for each in self.each:
             call(each, "enter")
 
+    def recall(self, likelihoods: Values) -> None:
+        """Tell each what was seen on earlier visits in that area."""
+        for each in self.each:
+            call(each, "recall", likelihoods)
+
     def joins(self, one: Values, other: Values) -> bool:
         """Tell whether all agree that two connected areas are one."""
         return all(call(each, "joins", one, other) for each in self.each)

@@ -18,7 +18,7 @@ from placecue_accumulators.areas import Way
 from placecue_accumulators.doubts import Doubts
 from placecue_accumulators.graph import NavigationGraph, Step
 from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
-from placecue_accumulators.judging import Judge, check_judging, judge_for
+from placecue_accumulators.judging import Judge, accepts, check_judging, judge_for
 from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Odometer, is_pose
 
@@ -88,7 +88,7 @@ class NodeAccumulator(Accumulator):
             return self._unplaced(observation, belief)
         self._move(pose, observation.stamp)
         self._walk(pose, observation.stamp)
-        if belief is None or not self._accepts(belief):
+        if belief is None or not accepts(belief, self.accept_confidence):
             return None
         viewpoint = (pose.x, pose.y, self.odometer_.theta)
         sizes = (self.bin_x, self.bin_y, self.bin_theta)
@@ -137,7 +137,7 @@ class NodeAccumulator(Accumulator):
     def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in a moment without a pose: of a log without any, areas are windows of time."""
         self.doubts_.unplaced += 1
-        if self.graph_.places or belief is None or not self._accepts(belief):
+        if self.graph_.places or belief is None or not accepts(belief, self.accept_confidence):
             return None
         judge = self._judge_of(belief)
         return self.windows_.add(observation.stamp, belief.scores.values[0], judge)
@@ -244,12 +244,8 @@ class NodeAccumulator(Accumulator):
         self.said_ = node, label
         return AreaUpdate(node, label, float(found.max()) if label != UNKNOWN else 0.0)
 
-    def _accepts(self, belief: Belief) -> bool:
-        sure = belief.label != UNKNOWN and belief.confidence >= self.accept_confidence
-        return sure and bool(np.isfinite(belief.scores.values).all())
-
     def _judge_of(self, belief: Belief) -> Judge:
-        self.judge_ = judge_for(self, belief.scores.layout, 0.0)
+        self.judge_ = judge_for(self, belief, 0.0)
         return self.judge_
 
     def check_parameters(self) -> None:

@@ -48,8 +48,8 @@ class RandomField(NodeAccumulator):
         accept_confidence: float = 0.1,
         label_probability: float = 0.5,
         sharpness: float | None = None,
-        independent: float = 0.1,
-        doubt: float = 0.02,
+        independent: float = 0.03,
+        doubt: float = 0.005,
         node_spacing: float = 1.0,
         prior_bins: float = 20.0,
     ) -> None:

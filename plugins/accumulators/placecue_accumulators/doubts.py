@@ -14,11 +14,18 @@ FEW_AGREE = 0.7
 
 
 class Doubts:
-    """Counts what speaks against a map while it grows."""
+    """Counts what speaks against a map while it grows.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    advice : str
+        What to do where one area covers most of the way though beliefs disagree.
+    """
+
+    def __init__(self, advice: str = "look at the single beliefs in its picture") -> None:
+        self.advice = advice
         self.labels: Counter[str] = Counter()
-        self.jumps = 0
+        self.jumps = self.gaps = 0
         self.frames: list[str] = []
         self.unplaced = 0
 
@@ -27,9 +34,11 @@ class Doubts:
         self.labels[label] += 1
 
     def broken(self, how: str, pose: Pose2D) -> None:
-        """Take note that the way was broken off by a jump, or by another frame."""
+        """Take note that the way was broken off by a jump, a gap, or another frame."""
         if how == "frame":
             self.frames.append(pose.frame)
+        elif how == "gap":
+            self.gaps += 1
         else:
             self.jumps += 1
 
@@ -46,6 +55,11 @@ class Doubts:
             told.append(
                 f"the pose jumped {self.jumps} times: the map is broken off there, and smeared if "
                 "the odometry began anew; poses of SLAM (source.pose_frame=map) do not"
+            )
+        if self.gaps:
+            told.append(
+                f"the log has {self.gaps} gaps over which the robot drove on unseen: the map is "
+                "broken off there"
             )
         if self.frames:
             told.append(
@@ -67,5 +81,5 @@ class Doubts:
         return [
             f"area {largest.id} ({largest.label}) covers {100 * share:.0f} % of the way, and only "
             f"{100 * agree:.0f} % of the single beliefs say {largest.label}: places may be missing "
-            "from the map; try boundaries@accumulator.boundary=[door,evidence]"
+            f"from the map; {self.advice}"
         ]

@@ -39,7 +39,7 @@ class Stretch:
     begin: float
 
 
-def best_cut(likelihoods: Values, shortest: int) -> tuple[int, float]:
+def best_cut(likelihoods: Values, shortest: int, known: Values | None = None) -> tuple[int, float]:
     """Find where a row of stretches is best cut into two places.
 
     Parameters
@@ -48,6 +48,9 @@ def best_cut(likelihoods: Values, shortest: int) -> tuple[int, float]:
         Log-likelihood of each class on each stretch.
     shortest : int
         A place has at least so many stretches.
+    known : ndarray of float64, shape (M,), optional
+        Log-likelihood of each class by what was seen of the first place before, which then may
+        have fewer stretches.
 
     Returns
     -------
@@ -55,13 +58,13 @@ def best_cut(likelihoods: Values, shortest: int) -> tuple[int, float]:
         The first stretch of the second place, and the logarithm of the likelihood of two places,
         each of its best class, against one; (0, 0) where the row is too short.
     """
-    n = len(likelihoods)
-    if n < 2 * shortest:
+    cuts = np.arange(shortest if known is None else 0, len(likelihoods) - shortest + 1)
+    if not len(cuts):
         return 0, 0.0
-    sums = likelihoods.cumsum(axis=0)
-    cuts = np.arange(shortest, n - shortest + 1)
-    before = sums[cuts - 1]
-    gains = before.max(axis=1) + (sums[-1] - before).max(axis=1) - sums[-1].max()
+    first = np.zeros(likelihoods.shape[1]) if known is None else known
+    sums = np.vstack([first, first + likelihoods.cumsum(axis=0)])
+    before, after = sums[cuts], sums[-1] - sums[cuts]
+    gains = before.max(axis=1) + after.max(axis=1) - sums[-1].max()
     best = int(gains.argmax())
     return int(cuts[best]), float(gains[best])
 
@@ -83,6 +86,9 @@ class ChangedEvidence(Boundary):
         Length of a stretch, m of way.
     threshold : float
         Logarithm of the likelihood ratio that convinces.
+    rejoin : float
+        Two areas that the robot goes straight between are one again where that of what was seen in
+        each is no larger than this.
     independent : float
         The share of what a stretch says that its neighbours have not said already, 0 to 1.
     doubt : float
@@ -90,7 +96,8 @@ class ChangedEvidence(Boundary):
 
     Notes
     -----
-    A change is noticed between ``shortest`` and ``window`` metres after it, and put where it was.
+    A change is noticed before ``window`` metres after it, and put where it was; one that is
+    noticed sooner than after ``shortest`` is put so much before where that is.
     The likelihood ratio of a change at an unknown place is Page's (Biometrika 41, 1954).
     """
 
@@ -98,17 +105,19 @@ class ChangedEvidence(Boundary):
 
     def __init__(
         self,
-        window: float = 6.0,
+        window: float = 4.0,
         shortest: float = 0.8,
         step: float = 0.2,
-        threshold: float = 3.0,
-        independent: float = 0.4,
+        threshold: float = 2.0,
+        rejoin: float = 0.0,
+        independent: float = 0.7,
         doubt: float = 0.1,
     ) -> None:
         self.window = window
         self.shortest = shortest
         self.step = step
         self.threshold = threshold
+        self.rejoin = rejoin
         self.independent = independent
         self.doubt = doubt
 
@@ -118,6 +127,7 @@ class ChangedEvidence(Boundary):
         check_number("shortest", self.shortest, least=self.step)
         check_number("window", self.window, least=2 * self.shortest)
         check_number("threshold", self.threshold, above=0)
+        check_number("rejoin", self.rejoin, least=0)
         check_number("independent", self.independent, above=0, most=1)
         check_number("doubt", self.doubt, above=0, below=1)
 
@@ -132,6 +142,7 @@ class ChangedEvidence(Boundary):
         self.way_ = 0.0
         self.pose_: Pose2D | None = None
         self.stretches_: deque[Stretch] = deque()
+        self.known_: Values | None = None  # by what was seen in this area on earlier visits
 
     def update(self, observation: Observation) -> Pose2D | None:
         """Measure the way; return None."""
@@ -161,11 +172,17 @@ class ChangedEvidence(Boundary):
         """Begin anew: what was before belongs to another area."""
         if hasattr(self, "stretches_"):
             self.stretches_.clear()
+            self.known_ = None
+
+    def recall(self, likelihoods: Values) -> None:
+        """Take note of what was seen in the area on earlier visits."""
+        if hasattr(self, "stretches_"):
+            self.known_ = likelihoods
 
     def joins(self, one: Values, other: Values) -> bool:
-        """Tell whether two places are no likelier than one."""
+        """Tell whether two places are hardly likelier than one."""
         gain = one.max() + other.max() - (one + other).max()
-        return bool(gain < self.threshold)
+        return bool(gain <= self.rejoin)
 
     def _cut(self) -> float | None:
         while self.stretches_ and self.way_ - self.stretches_[0].begin > self.window:
@@ -173,9 +190,11 @@ class ChangedEvidence(Boundary):
         if not self.stretches_:
             return None
         rows = np.array([each.total / each.count for each in self.stretches_])
-        first, gain = best_cut(rows * self.independent, round(self.shortest / self.step))
+        shortest = round(self.shortest / self.step)
+        first, gain = best_cut(rows * self.independent, shortest, self.known_)
         if gain < self.threshold:
             return None
+        self.known_ = None
         begin = self.stretches_[first].begin
         for _ in range(first):
             self.stretches_.popleft()

@@ -52,7 +52,7 @@ class HiddenMarkov(NodeAccumulator):
 
     def __init__(
         self,
-        lasts: float = 8.0,
+        lasts: float = 16.0,
         transitions: str | None = None,
         lag: int = 500,
         bin_x: float = 0.2,
@@ -61,8 +61,8 @@ class HiddenMarkov(NodeAccumulator):
         accept_confidence: float = 0.1,
         label_probability: float = 0.5,
         sharpness: float | None = None,
-        independent: float = 0.1,
-        doubt: float = 0.02,
+        independent: float = 0.03,
+        doubt: float = 0.005,
         node_spacing: float = 1.0,
         prior_bins: float = 20.0,
     ) -> None:

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.belief import Belief
 from placecue.checks import check_number
 from placecue.distribution import doubted, log_odds, softmax
 from placecue.errors import UsageError
@@ -109,6 +110,12 @@ class Judge:
         return Judgement(label, by_class[label], margin, by_class, scores)
 
 
+def accepts(belief: Belief, least_confidence: float) -> bool:
+    """Tell whether a belief counts: it is sure enough, not called unknown, and made of numbers."""
+    sure = belief.label != UNKNOWN and belief.confidence >= least_confidence
+    return sure and bool(np.isfinite(belief.scores.values).all())
+
+
 class Judging(Protocol):
     """An accumulator that judges what it has gathered."""
 
@@ -120,28 +127,27 @@ class Judging(Protocol):
     judge_: Judge | None
 
 
-def judge_for(owner: Judging, layout: Layout, least_margin: float) -> Judge:
-    """Return the judge of an accumulator's scores; the first of them tell what they are.
+def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
+    """Return the judge of an accumulator's beliefs; the first of them tells what they are.
 
     Raises
     ------
     UsageError
-        If these are of another layout than those before.
+        If this one's scores are of another layout than those before.
     """
-    known = owner.judge_
-    if known is None:
-        sharpness = usual_sharpness(layout) if owner.sharpness is None else owner.sharpness
-        return Judge(
-            layout=layout,
-            sharpness=sharpness,
-            least_margin=least_margin,
-            least_probability=owner.label_probability,
-            independent=owner.independent,
-            doubt=owner.doubt,
-            most_bins=owner.prior_bins,
-        )
-    check_same_layout(known.layout, layout)
-    return known
+    known, layout = owner.judge_, belief.scores.layout
+    if known is not None:
+        check_same_layout(known.layout, layout)
+        return known
+    return Judge(
+        layout=layout,
+        sharpness=owner.sharpness or belief.sharpness or usual_sharpness(layout),
+        least_margin=least_margin,
+        least_probability=owner.label_probability,
+        independent=owner.independent,
+        doubt=owner.doubt,
+        most_bins=owner.prior_bins,
+    )
 
 
 def check_judging(owner: Judging) -> None:

@@ -37,7 +37,7 @@ class Relaxation(NodeAccumulator):
 
     def __init__(
         self,
-        support: float = 0.6,
+        support: float = 0.3,
         rounds: int = 10,
         bin_x: float = 0.2,
         bin_y: float = 0.2,
@@ -45,8 +45,8 @@ class Relaxation(NodeAccumulator):
         accept_confidence: float = 0.1,
         label_probability: float = 0.5,
         sharpness: float | None = None,
-        independent: float = 0.1,
-        doubt: float = 0.02,
+        independent: float = 0.03,
+        doubt: float = 0.005,
         node_spacing: float = 1.0,
         prior_bins: float = 20.0,
     ) -> None:

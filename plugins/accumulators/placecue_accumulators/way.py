@@ -11,8 +11,9 @@ from placecue.observation import Pose2D
 from placecue_accumulators.evidence import ROUNDING
 from placecue_accumulators.histogram import Key
 
-#: What became of the way: it goes on, is in another frame, or goes on somewhere else.
-Turn = Literal["on", "frame", "jump"]
+#: What became of the way: it goes on, is in another frame, goes on somewhere else, or further on
+#: after a stretch that nothing is known of.
+Turn = Literal["on", "frame", "jump", "gap"]
 
 
 def is_pose(pose: Pose2D | None) -> bool:
@@ -55,11 +56,16 @@ class Odometer:
         A larger distance between one pose and the next is a jump, m, unless there was time for it.
     fastest : float
         The speed that there is time for, m/s.
+    longest_gap : float
+        A larger distance is a gap even if there was time for it, m.
     """
 
-    def __init__(self, longest_step: float = 2.0, fastest: float = 3.0) -> None:
+    def __init__(
+        self, longest_step: float = 2.0, fastest: float = 3.0, longest_gap: float = 5.0
+    ) -> None:
         self.longest_step = longest_step
         self.fastest = fastest
+        self.longest_gap = longest_gap
         self.pose: Pose2D | None = None
         self.stamp = 0
         self.theta = 0.0
@@ -83,6 +89,8 @@ class Odometer:
         step = hypot(pose.x - last.x, pose.y - last.y)
         if step > max(self.longest_step, self.fastest * seconds):
             return "jump"
+        if step > self.longest_gap:
+            return "gap"
         self.way += step
         return "on"
 

@@ -84,6 +84,7 @@ class Confidence(Integrator):
 
     gaps = True
     wants_costs = True
+    stops_early = True
 
     def __init__(
         self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
@@ -53,6 +53,8 @@ class Bench:
         ``rooms``, ``label_map`` and ``unmapped_labels``.
     skip : bool
         Whether a sample at which a component fails counts as unusable.
+    accumulators : mapping of str to mapping
+        Configs of accumulators by name, which label the areas of every test.
     """
 
     out: str
@@ -62,6 +64,7 @@ class Bench:
     folds: Mapping[str, Any]
     labels: Mapping[str, Any]
     skip: bool = False
+    accumulators: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:

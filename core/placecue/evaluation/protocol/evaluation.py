@@ -11,7 +11,8 @@ from typing import Any, Protocol, TypeVar
 
 from placecue.components.build import build
 from placecue.components.registry import Registry
-from placecue.errors import DataError, PlacecueError
+from placecue.errors import DataError, PlacecueError, UsageError
+from placecue.evaluation.protocol.accumulating import accumulated
 from placecue.evaluation.protocol.bench import Bench
 from placecue.evaluation.protocol.joining import fit_and_decide, result_of, scenes
 from placecue.evaluation.protocol.methods import Methods
@@ -29,6 +30,7 @@ from placecue.evaluation.protocol.recordings import derived
 from placecue.evaluation.protocol.scores_store import ScoresStore
 from placecue.evaluation.protocol.single_cue import SingleCueTask, train_and_score
 from placecue.evaluation.results.about import Recording
+from placecue.evaluation.results.areas import AreaStore
 from placecue.evaluation.results.result import Pair, Result
 from placecue.evaluation.results.store import ResultStore
 
@@ -126,6 +128,8 @@ class Evaluation:
             self.registry,
             self._wants_costs(),
         )
+        self._check_whole_tests(splits)
+        self.areas = [d for task in self.plan.areas_tasks() for d in task.digests.values()]
         self.digests = {
             (method, split.pair): self.plan.result_digest(split, method)
             for method in self.methods.names
@@ -150,6 +154,7 @@ class Evaluation:
         told = _Told(self, board, tell)
         self._single_cues(executor, told)
         self._joined(executor, told)
+        self._areas(executor)
 
     # ------------------------------------------------------------------ before pairs
 
@@ -175,6 +180,13 @@ class Evaluation:
             contents[each.key] = found
         self.bench = replace(self.bench, recordings=tuple(known))
         return contents
+
+    def _check_whole_tests(self, splits: Sequence[Split]) -> None:
+        if self.bench.accumulators and any(split.test.fold is not None for split in splits):
+            raise UsageError(
+                "accumulators label whole recordings, and the pairs test on parts of one: give "
+                "pairs of recordings, or accumulators=null"
+            )
 
     def _wants_costs(self) -> bool:
         built = (
@@ -261,7 +273,7 @@ class Evaluation:
         for (method, pair), digest in self.digests.items():
             if method not in self.methods.joined:
                 continue
-            if digest in self.store:
+            if digest in self.store and (not self.areas or digest in self.scores):
                 told.kept(self.store.load(digest), fresh=False)
             elif (reason := told.why_not(method, pair)) is not None:
                 told.failed(method, pair, reason)
@@ -277,6 +289,27 @@ class Evaluation:
                 else:
                     told.kept(self.store.load(digest))
         self._spent("integration", perf_counter() - began)
+
+    def _areas(self, executor: Runs) -> None:
+        """Label the areas of every test by every accumulator."""
+        if not self.areas:
+            return
+        began, store = perf_counter(), AreaStore(self.bench.folder)
+        failed = {(each.method, each.pair) for each in self.wrong}
+        lacking = [
+            replace(task, digests=missing)
+            for task in self.plan.areas_tasks()
+            if (task.method, task.pair) not in failed
+            and (missing := {n: d for n, d in task.digests.items() if d not in store})
+        ]
+        for outcome in executor.map(accumulated, lacking):
+            task, wrong = outcome.task, outcome.value or {}
+            if outcome.error is not None:
+                wrong = dict.fromkeys(task.digests, str(outcome.error))
+            for name, why in wrong.items():
+                log.warning(why)
+                self.wrong.append(Result.failed(task.pair, f"{task.method}, {name}", why))
+        self._spent("accumulation", perf_counter() - began)
 
     def _spent(self, step: str, seconds: float) -> None:
         self.seconds[step] = self.seconds.get(step, 0.0) + seconds

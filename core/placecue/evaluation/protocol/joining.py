@@ -107,13 +107,16 @@ def _decided(
     evidence = CountedEvidence(joined.evidence)
     began = perf_counter()
     scores, _ = schemes.integrate(evidence, skip=task.bench.skip)
+    if task.bench.accumulators:
+        told = Said(scores, joined.labels, joined.stamps, joined.positions, joined.groups)
+        ScoresStore(task.bench.folder, current_plugins().registry).save(digest, told)
     result = result_of(pair, task.method.name, scores, joined.labels, joined.stamps, digest)
     return replace(
         result,
         groups=scenes(joined.groups),
         used=evidence.asked,
         seconds={"fitting": seconds, "deciding": perf_counter() - began},
-        settings={"integrator": told} if (told := schemes.full.summary()) else {},
+        settings={"integrator": words} if (words := schemes.full.summary()) else {},
     )
 
 
@@ -126,6 +129,7 @@ class Aligned:
     stamps: NDArray[np.int64]
     groups: NDArray[np.int64] | None
     costs: Mapping[str, float]
+    positions: NDArray[np.int64]
 
 
 def align(said: Mapping[str, Said]) -> Aligned:
@@ -153,7 +157,7 @@ def align(said: Mapping[str, Said]) -> Aligned:
                 groups = np.zeros((n, *each.groups.shape[1:]), np.int64)
             groups[rows] = each.groups
     costs = {model: each.cost for model, each in said.items()}
-    return Aligned(StoredEvidence(scores), labels, stamps, groups, costs)
+    return Aligned(StoredEvidence(scores), labels, stamps, groups, costs, every)
 
 
 def _held_out(parts: Sequence[Mapping[str, Said]], folds: FoldScheme) -> HeldOut:

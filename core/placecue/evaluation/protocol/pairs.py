@@ -16,7 +16,7 @@ from placecue.evaluation.results.result import Pair
 #: What ``pairs`` may be beside a rule or a list.
 WAYS = ("all", "leave_one_out", "folds")
 #: The words of a rule.
-RULE = ("same", "differ", "where")
+RULE = ("same", "differ", "where", "way")
 
 
 class Part(NamedTuple):
@@ -71,7 +71,8 @@ def splits_of(spec: Any, recordings: Sequence[Recorded], n_folds: int) -> list[S
     spec : str, mapping or list
         ``all``: every ordered pair of one world; ``leave_one_out``; ``folds``: folds within each
         recording; a rule: conditions that are the ``same`` or ``differ`` between the two, and
-        ``where``, which both must have; a list of [train, test] by name, where train may be a
+        ``where``, which both must have; ``way``, one of these words, among those that ``where``
+        picks; a list of [train, test] by name, where train may be a
         list; or a mapping of names of experiments to such.
     recordings : sequence of Recorded
         With all metadata.
@@ -110,6 +111,10 @@ def _named(spec: Any) -> dict[str, Any]:
 
 def _of(name: str, spec: Any, recordings: Sequence[Recorded], n_folds: int) -> Iterator[Split]:
     world, names = recordings[0].world, [each.name for each in recordings]
+    if isinstance(spec, Mapping) and "way" in spec:
+        there = [each for each in recordings if fits({"where": spec.get("where")}, each, each)]
+        yield from _of(name, _way(spec), there, n_folds) if there else ()
+        return
     if isinstance(spec, Mapping):
         found = (([a.name], b.name) for a, b in _ordered(recordings) if fits(spec, a, b))
     elif isinstance(spec, list):
@@ -128,6 +133,17 @@ def _of(name: str, spec: Any, recordings: Sequence[Recorded], n_folds: int) -> I
         raise UsageError(f"pairs must be a rule, a list, or a word; {choices(str(spec), WAYS)}")
     for train, test in found:
         yield Split(name, world, tuple(map(Part, train)), Part(test))
+
+
+def _way(spec: Mapping[str, Any]) -> str:
+    way, others = spec["way"], [key for key in spec if key not in ("way", "where")]
+    if way not in WAYS or others:
+        told = f"way: {way}" + "".join(f", {key}" for key in others)
+        raise UsageError(
+            f"pairs {{{told}}} make no sense: way is one of {', '.join(WAYS)}, and where= alone "
+            "stands beside it"
+        )
+    return str(way)
 
 
 def _ordered(recordings: Sequence[Recorded]) -> Iterator[tuple[Recorded, Recorded]]:

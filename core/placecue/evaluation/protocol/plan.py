@@ -12,6 +12,7 @@ from placecue import __version__
 from placecue.components.pipelines import components_in
 from placecue.components.registry import Registry
 from placecue.errors import UsageError
+from placecue.evaluation.protocol.accumulating import AreasTask
 from placecue.evaluation.protocol.bench import Bench, digest_of
 from placecue.evaluation.protocol.joining import JoinedTask
 from placecue.evaluation.protocol.methods import Methods, SingleCue
@@ -151,6 +152,10 @@ class Plan:
             ]
         return self._versions[key]
 
+    def _version(self, accumulator: Mapping[str, Any]) -> str:
+        found = self.registry.load("accumulator", str(accumulator["plugin"]))
+        return str(getattr(found, "version", ""))
+
     # ------------------------------------------------------------------ who goes with whom
 
     def chosen_on(self, trained: Trained) -> Part | None:
@@ -219,6 +224,20 @@ class Plan:
         return tuple(of_tests), self.protocol.one_scale
 
     # ------------------------------------------------------------------ tasks
+
+    def areas_tasks(self) -> Iterator[AreasTask]:
+        """Yield the tasks of accumulators, one a method and pair."""
+        for split in self.splits:
+            trained = split.world, split.train
+            for method in self.methods.names:
+                result = self.result_digest(split, method)
+                single = method in self.methods.models
+                scores = self.scores_digest(trained, method, split.test) if single else result
+                digests = {
+                    name: digest_of(result, spec, __version__, self._version(spec))
+                    for name, spec in self.bench.accumulators.items()
+                }
+                yield AreasTask(self.bench, split.pair, method, scores, digests)
 
     def single_cue_tasks(self) -> Iterator[SingleCueTask]:
         """Yield the tasks of single-cue models, those of one cue after one another."""

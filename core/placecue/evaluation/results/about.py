@@ -75,6 +75,8 @@ class About:
         How many pairs each has, in the order in which they are shown.
     digests : sequence of str
         Of all results that there are to be: those of older runs in the folder are others.
+    areas : sequence of str
+        The same of what accumulators make of them.
     figures, tables : sequence of mapping
         What to draw, as the experiment's config says.
     paper : mapping of str to mapping of str to float
@@ -98,6 +100,7 @@ class About:
     methods: Mapping[str, Method]
     experiments: Mapping[str, int]
     digests: Sequence[str] = ()
+    areas: Sequence[str] = ()
     figures: Sequence[Mapping[str, Any]] = ()
     tables: Sequence[Mapping[str, Any]] = ()
     paper: Mapping[str, Mapping[str, float]] = field(default_factory=dict)

@@ -56,6 +56,7 @@ def merged(folders: Sequence[Path]) -> tuple[About, Results]:
                 for name in dict.fromkeys([*about.experiments, *other.experiments])
             },
             digests=[*about.digests, *other.digests],
+            areas=[*about.areas, *other.areas],
             seconds={
                 step: about.seconds.get(step, 0) + other.seconds.get(step, 0)
                 for step in dict.fromkeys([*about.seconds, *other.seconds])

@@ -15,6 +15,9 @@ from placecue.logs.messages.geometry import Transform
 #: No scanner reaches so far, m: drivers that know no limit state infinity or the largest float.
 BEYOND = 1e6
 
+#: No sweep goes round more often.
+MOST_TURNS = 2
+
 Role = Literal["image", "scan", "pose", "label", "transform"]
 
 
@@ -68,6 +71,10 @@ class Adapter(ABC):
         """Return where a pose puts which frame, in three dimensions; None where it does not say."""
         return None
 
+    def is_turned(self, message: Any) -> bool:
+        """Tell whether a pose says its heading: a quaternion of zeros does not."""
+        return True
+
     def pixels(self, message: Any) -> str:
         """Return the pixel format of an image; empty where it does not say."""
         return ""
@@ -95,6 +102,11 @@ def increasing(
     if len(lengths) > 1 and not (np.isfinite(first) and np.isfinite(step) and step != 0.0):
         raise UnusableObservation(
             f"{origin}: {len(lengths)} beams from {first} rad in steps of {step} rad"
+        )
+    turns = abs(step) * (count - 1) / (2 * np.pi)
+    if count > 1 and turns > MOST_TURNS:
+        raise UnusableObservation(
+            f"{origin}: {count} beams in steps of {step:g} rad turn {turns:.0f} times"
         )
     angles = first + step * np.arange(len(lengths), dtype=np.float64)
     return (angles, lengths) if step >= 0 else (angles[::-1].copy(), lengths[::-1].copy())

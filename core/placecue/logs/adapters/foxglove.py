@@ -114,6 +114,10 @@ class FoxglovePoseInFrame(FoxgloveAdapter):
         """Return the pose in the plane."""
         return _planar(message["pose"], self.frame(message))
 
+    def is_turned(self, message: Any) -> bool:
+        """Tell whether the quaternion is not zero."""
+        return any(_xyzw(message["pose"]["orientation"]))
+
 
 class FoxgloveFrameTransform(FoxgloveAdapter):
     """foxglove.FrameTransform."""

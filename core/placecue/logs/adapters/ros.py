@@ -108,6 +108,10 @@ class RosOdometry(RosAdapter):
         """Return the pose in the plane."""
         return _planar(message.pose.pose, self.frame(message))
 
+    def is_turned(self, message: Any) -> bool:
+        """Tell whether the quaternion is not zero."""
+        return any(_xyzw(message.pose.pose.orientation))
+
     def moved(self, message: Any) -> Transform | None:
         """Return where it puts its child frame; a PoseWithCovarianceStamped names none."""
         child = str(getattr(message, "child_frame_id", "")).lstrip("/")
@@ -123,6 +127,10 @@ class RosPoseStamped(RosAdapter):
     def value(self, message: Any, origin: str) -> Pose2D:
         """Return the pose in the plane."""
         return _planar(message.pose, self.frame(message))
+
+    def is_turned(self, message: Any) -> bool:
+        """Tell whether the quaternion is not zero."""
+        return any(_xyzw(message.pose.orientation))
 
 
 class RosPoseWithCovarianceStamped(RosOdometry):

@@ -20,6 +20,8 @@ def check_writable(value: Any) -> None:
         If it does.
     """
     for text in _texts(value):
+        if text.isascii():
+            continue
         try:
             text.encode()
         except UnicodeEncodeError as error:

@@ -48,6 +48,7 @@ class Assembler:
         self.parts = parts
         self.intervals = intervals
         self.faults = faults
+        self._frame: str | None = None  # of the last pose
 
     def observation(self, match: Match) -> Observation | None:
         """Return the observation of a match; None where its driver does not decode."""
@@ -92,6 +93,11 @@ class Assembler:
             pose = motion.pose(stamp) if alone else motion.carried(pose, stamp)
         if pose is None:
             self._missing("pose", match)
+        elif pose.frame != self._frame:
+            if self._frame is not None:
+                kind = "times poses change their frame, and with it all places"
+                self.faults.add(kind, f"'{self._frame}' to '{pose.frame}' at stamp {stamp}")
+            self._frame = pose.frame
         return pose
 
     def _joined(self, match: Match) -> Pose2D | None:
@@ -100,6 +106,8 @@ class Assembler:
             return values[0] if values else None
         first, second = (item.stamp for item in match.poses)
         share = (match.driver.stamp - first) / (second - first)
+        if values[0].frame != values[1].frame:
+            return values[round(share)]
         return interpolate(values[0], values[1], share)
 
     def _missing(self, part: Part, match: Match) -> None:

@@ -25,6 +25,8 @@ BASE_FRAMES = ("base_link", "base_footprint", "base")
 FIXED_FRAMES = ("map", "world", "odom", "odom_combined")
 #: Words in the names of frames that move with a robot.
 CARRIED = re.compile(r"base|camera|optical|laser|lidar|link|imu|sensor|gripper|hand", re.IGNORECASE)
+#: Those of them that are no robot's own.
+PARTS_OF_ROBOTS = re.compile(r"camera|optical|laser|lidar|imu|sensor|gripper|hand", re.IGNORECASE)
 #: So long is looked on where frames were found connected late, s.
 MORE = 3.0
 
@@ -110,7 +112,7 @@ class TransformReader(TopicReader):
 
     def __init__(self, file: LogFile, topic: Topic) -> None:
         super().__init__(file, topic)
-        self.static = is_static(topic)
+        self.static = self.lasts = is_static(topic)
 
     def take_in(self, message: Message, buffer: TransformBuffer) -> None:
         """Take the transforms of a message into a buffer.
@@ -158,11 +160,14 @@ class Survey:
     late : float
         How long after the first transform the wanted frames were connected, where that was after
         the beginning that is searched anyway, s; else 0.
+    static : int or None
+        How many messages of static transforms were looked at; None for all.
     """
 
     buffer: TransformBuffer
     until: int
     late: float = 0.0
+    static: int | None = None
 
     def holding(self, edge: Edge, gap: int) -> bool:
         """Tell whether transforms come too seldom to interpolate between them."""
@@ -193,7 +198,7 @@ def look(
     buffer = TransformBuffer()
     of = {number: reader for reader in readers for number in reader.topic.channels}
     static = [number for number, reader in of.items() if reader.static]
-    first = last = 0
+    first = last = seen = 0
     rest = False
     for message in file.messages(of) if of else ():
         last = message.log_time
@@ -202,10 +207,11 @@ def look(
             rest = True
             break
         _take_in(buffer, of[message.channel_id], message)
+        seen += of[message.channel_id].static
         if early(buffer):
-            return Survey(buffer, last)
+            return Survey(buffer, last, static=seen)
     if not rest or late(buffer):
-        return Survey(buffer, last)
+        return Survey(buffer, last, static=seen if rest else None)
     for message in file.messages(static, first) if static else ():
         _take_in(buffer, of[message.channel_id], message)
     return Survey(buffer, last) if late(buffer) else _look_on(file, of, buffer, first, last, late)
@@ -304,6 +310,11 @@ def fixed_of(buffer: TransformBuffer, base: str, pose_frame: str | None) -> str 
     if root is not None and buffer.moving(root, base) and not CARRIED.search(root):
         return root
     return None
+
+
+def of_a_part(frame: str) -> bool:
+    """Tell whether a frame is by its name that of a sensor or a hand, and not of the robot."""
+    return PARTS_OF_ROBOTS.search(own_name(frame)) is not None
 
 
 def may_be_fixed(frame: str, buffer: TransformBuffer, base: str) -> bool:

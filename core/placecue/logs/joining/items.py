@@ -17,6 +17,7 @@ from placecue.logs.adapters.lookup import adapter_for
 from placecue.logs.adapters.texts import check_writable
 from placecue.logs.mcap.container import LogFile, Topic
 from placecue.logs.messages.decoders import HEADER_STAMPS, decoder_for
+from placecue.logs.messages.direct import direct_decoder
 
 #: Clocks are one if they differ by less than this, ns: messages are recorded late, too.
 APART = 1_000_000_000
@@ -101,6 +102,8 @@ class TopicReader:
         How far the clock of the drivers is behind the recorder's, ns.
     unstamped : int
         How many messages so far had no stamp.
+    lasts : bool
+        Whether what a message says holds until the next one.
 
     Raises
     ------
@@ -117,6 +120,7 @@ class TopicReader:
         self.topic = topic
         self.adapter = adapter
         self.role: Role = adapter.role
+        self.lasts = adapter.role == "label"
         self.finish = finish
         self.shift = 0
         self.behind = 0
@@ -128,7 +132,13 @@ class TopicReader:
             number: decoder_for(channel, contents.schemas.get(channel.schema_id))
             for number, channel in channels.items()
         }
-        self._peek = HEADER_STAMPS.get(topic.encoding) if adapter.header_first else None
+        standard = all(
+            direct_decoder(channel.message_encoding, contents.schemas.get(channel.schema_id))
+            for channel in channels.values()
+        )
+        # Of a definition of one's own the header may stand elsewhere.
+        peeks = adapter.header_first and standard
+        self._peek = HEADER_STAMPS.get(topic.encoding) if peeks else None
 
     def item(self, message: Message) -> Item | None:
         """Return the item of a message; None where it holds nothing of interest.
@@ -214,7 +224,8 @@ class TopicReader:
                 decoded = self._decode[message.channel_id](message.data)
             origin = f"{self.topic.name} at stamp {stamp}"
             value = call(self.adapter, "value", decoded, origin, check=self._check)
-            check_writable(value)
+            if self.role != "image":
+                check_writable(value)
             return value if self.finish is None else self.finish(value, stamp)
         except UnusableObservation:
             raise

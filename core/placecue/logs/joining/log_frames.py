@@ -85,6 +85,14 @@ class LogFrames:
             return moving  # what is wrong with the frame is said when it is looked up
         return moving if self.fixed is not None else ()
 
+    @cached_property
+    def unplaced(self) -> str | None:
+        """Why the transforms that there are give no pose, and what to type; None if they do."""
+        if self.moving_topics() or all(map(frames.is_static, self.topics)):
+            return None
+        buffer = self.survey(True).buffer
+        return _unplaced(buffer, self._base(buffer))
+
     # Frames.
 
     @cached_property
@@ -200,11 +208,12 @@ class LogFrames:
         moving = [frame for frame in ends if survey.buffer.moving(base, frame)]
         if fixed is not None and not alone and placed is not None:
             moving.append(fixed)
-        if not moving:
+        if not moving and not self._restated(survey):
             faults.join(survey.buffer.faults)
             return Motion(survey.buffer, base, fixed, alone)
         buffer = self._seeded(survey, fixed, base)
-        return Motion(buffer, base, fixed, alone, laser if laser in moving else None)
+        turned = [frame for frame in (laser, child) if frame in moving]
+        return Motion(buffer, base, fixed, alone, turned, moves=bool(moving))
 
     def carries(self, motion: Motion) -> bool:
         """Tell whether poses are of another frame than the robot's, and have to be carried."""
@@ -214,11 +223,22 @@ class LogFrames:
         child = frames.named(placed.child, motion.buffer)
         return child != motion.base and motion.buffer.connected(child, motion.base)
 
-    def moves(self, motion: Motion) -> bool:
-        """Tell whether a pass has to take transforms in."""
-        return all(motion.buffer is not each.buffer for each in self._surveys.values()) and bool(
-            motion.buffer.edges
-        )
+    def taken_in(self, motion: Motion) -> tuple[Topic, ...]:
+        """Return the topics whose transforms a pass has to take in."""
+        known = any(motion.buffer is each.buffer for each in self._surveys.values())
+        if known or not motion.buffer.edges:
+            return ()
+        if motion.moves:
+            return self.topics
+        return tuple(topic for topic in self.topics if frames.is_static(topic))
+
+    def _restated(self, survey: Survey) -> bool:
+        """Tell whether static transforms come that the look before has not seen."""
+        counts = [topic.count for topic in self.topics if frames.is_static(topic)]
+        seen = survey.static
+        if seen is None or not counts:
+            return False
+        return None in counts or sum(count or 0 for count in counts) > seen
 
     def mountings(self, motion: Motion, faults: Faults) -> Mountings:
         """Return where lasers sit on the robot, for one pass over the log."""
@@ -246,15 +266,12 @@ class LogFrames:
                 f"of {source.path}; above it: {', '.join(buffer.line(base)[1:]) or 'none'}"
             )
         if fixed is None:
-            self._tell(
-                f"no pose, for the transforms do not place '{base}' in any of "
-                f"{', '.join(FIXED_FRAMES)}; frames: {', '.join(sorted(buffer.frames())) or 'none'}"
-                "; set source.base_frame or source.pose_frame"
-            )
+            self._tell(f"no pose: {_unplaced(buffer, base)}")
         return fixed
 
     def _tell_of_child(self, buffer: TransformBuffer, child: str, base: str) -> None:
-        if buffer.edges and not buffer.connected(child, base):
+        lone = not buffer.edges and child != self.laser and frames.of_a_part(child)
+        if lone or (buffer.edges and not buffer.connected(child, base)):
             self._tell(
                 f"poses are of '{child}', which transforms do not connect to '{base}': they are "
                 "taken to be the robot's"
@@ -296,3 +313,11 @@ class LogFrames:
         if text not in self._told:
             self._told.add(text)
             log.warning(f"{self.source.path}: {text}")
+
+
+def _unplaced(buffer: TransformBuffer, base: str) -> str:
+    known = ", ".join(sorted(buffer.frames())) or "none"
+    return (
+        f"the transforms do not place '{base}' in any of {', '.join(FIXED_FRAMES)}; frames: "
+        f"{known}; set source.base_frame or source.pose_frame"
+    )

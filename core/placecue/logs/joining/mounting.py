@@ -88,12 +88,16 @@ class Mountings:
         self.laser = laser
         self.range_max = range_max
         self.faults = faults
-        self._fixed: dict[str, Mounting] = {}  # of those that do not move
+        self._held: dict[str, Mounting] = {}  # of those that do not move
+        self._changes = buffer.changes  # when they were found
 
     def place(self, scan: LaserScan, stamp: int) -> LaserScan:
         """Return a scan of a time, given in its own frame, as it sits on the robot."""
         frame = scan.mount.frame if self.laser is None else self.laser
-        known = self._fixed.get(frame)
+        if self._changes != self.buffer.changes:
+            self._held.clear()
+            self._changes = self.buffer.changes
+        known = self._held.get(frame)
         return (known or self._mounting(frame, stamp)).place(scan)
 
     def _mounting(self, frame: str, stamp: int) -> Mounting:
@@ -102,7 +106,9 @@ class Mountings:
         if steps and self.buffer.moving(self.base, laser):
             return self._at(laser, stamp)
         matrix = None if steps is None else self.buffer.lookup(self.base, laser, stamp)
-        found = self._fixed[frame] = self._of(matrix, laser)
+        found = self._of(matrix, laser)
+        if steps is None or self.buffer.holds(self.base, laser):
+            self._held[frame] = found
         return found
 
     def _at(self, laser: str, stamp: int) -> Mounting:

@@ -102,7 +102,8 @@ def choose_pose(
         return replace(choice, topics=moving() or choice.topics) if moves else choice
     able = [topic for topic in topics if is_candidate("pose", topic)]
     fit = [each for each in able if _fits(each, driver)]
-    odometry = _nearest([each for each in able if each.schema.endswith("Odometry")], driver)
+    moved = [each for each in able if each.schema.endswith("Odometry") and not _of_other(each)]
+    odometry = _nearest(moved, driver)
     if odometry:
         rivals = [each for each in fit if "Covariance" in each.schema and each not in odometry]
         found = [*odometry, *rivals]
@@ -135,9 +136,13 @@ def _moving(topics: Sequence[Topic]) -> list[Topic]:
     return [t for t in topics if role_of(t) in STAND_INS["pose"] and t.count and not is_static(t)]
 
 
+def _of_other(topic: Topic) -> bool:
+    """Tell whether poses are by their name those of something else than the robot."""
+    return any(words_of(step) & OF_OTHERS for step in topic.name.split("/"))
+
+
 def _fits(topic: Topic, driver: Topic | None) -> bool:
-    words = {word for step in topic.name.split("/") for word in words_of(step)}
-    if words & OF_OTHERS:
+    if _of_other(topic):
         return False
     if topic.count is None or driver is None or driver.count is None:
         return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot, isfinite
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from mcap.records import Message
 
 from placecue.errors import ComponentError, ContractError, UnusableObservation
+from placecue.faults import Faults
 from placecue.guard import Check, call
 from placecue.logs.joining.frames import named, plain
 from placecue.logs.joining.items import TopicReader
@@ -31,8 +33,10 @@ class Motion:
         The frame to give poses in; None: as messages give them.
     from_transforms : bool
         Whether transforms alone give the pose.
-    laser : str or None
-        The laser's frame where it moves on the robot.
+    turned : sequence of str
+        Frames that move on the robot and are needed: of the laser, or that poses are of.
+    moves : bool
+        Whether any of the transforms that are needed moves.
     """
 
     def __init__(
@@ -41,18 +45,19 @@ class Motion:
         base: str,
         fixed: str | None = None,
         from_transforms: bool = False,
-        laser: str | None = None,
+        turned: Sequence[str] = (),
+        moves: bool = False,
     ) -> None:
+        self.moves = moves
         self.buffer = buffer
         self.base = base
         self.fixed = fixed
         self.from_transforms = from_transforms
-        self.laser = laser
+        self.turned = tuple(turned)
 
     def reaches(self, stamp: int) -> bool:
         """Tell whether all transforms that are needed have got as far as a time, ns."""
-        frames = [self.fixed, self.laser]
-        wanted = [frame for frame in frames if frame is not None]
+        wanted = self.turned if self.fixed is None else (self.fixed, *self.turned)
         return all(self.buffer.reaches(frame, self.base, stamp) for frame in wanted)
 
     def pose(self, stamp: int) -> Pose2D | None:
@@ -81,13 +86,17 @@ class PoseReader(TopicReader):
         One with poses.
     motion : Motion or None
         Transforms, where the messages place another frame than the robot's; else None.
+    faults : Faults
+        Takes what had to be assumed.
     """
 
-    def __init__(self, file: LogFile, topic: Topic, motion: Motion | None) -> None:
+    def __init__(self, file: LogFile, topic: Topic, motion: Motion | None, faults: Faults) -> None:
         super().__init__(file, topic)
         self.motion = motion
+        self.faults = faults
 
     def _value(self, message: Message, stamp: int, decoded: Any) -> Any:
+        decoded = self.decoded(message) if decoded is None else decoded
         pose = super()._value(message, stamp, decoded)
         far = hypot(pose.x, pose.y)
         if not (far <= FARTHEST and isfinite(pose.theta)):
@@ -96,13 +105,19 @@ class PoseReader(TopicReader):
                 if not isfinite(far + pose.theta)
                 else f"a pose of {self.topic.name} at {stamp} is {far:g} m away"
             )
+        if pose.theta == 0.0 and not self.adapter.is_turned(decoded):
+            example = f"of {self.topic.name} at {stamp}"
+            self.faults.add("poses say no heading, and are taken to look along x", example)
         motion = self.motion
-        moved = None if motion is None else call(self.adapter, "moved", self.decoded(message))
+        moved = None if motion is None else call(self.adapter, "moved", decoded)
         if motion is None or moved is None or not moved.child or moved.child == motion.base:
             return pose
         offset = motion.buffer.lookup(named(plain(moved.child), motion.buffer), motion.base, stamp)
         if offset is None:
-            return pose
+            raise UnusableObservation(
+                f"a pose of '{moved.child}' at {stamp} cannot be carried to '{motion.base}': no "
+                "transform is near in time"
+            )
         return flatten(replace(moved, stamp=stamp).matrix() @ offset, pose.frame)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
@@ -29,7 +30,7 @@ class Silence:
     period: int
 
 
-def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
+def silence_of(file: LogFile, camera: Topic, least: float, start: int) -> Silence | None:
     """Return when a camera counts as silent; None if it never is.
 
     By log time, from the index of the messages; a file without one is read through.
@@ -42,16 +43,31 @@ def silence_of(file: LogFile, camera: Topic, least: float) -> Silence | None:
         The images.
     least : float
         A camera is silent after so long, and five times the usual distance of its images, s.
+    start : int
+        When the log begins, by a clock that was set, ns.
     """
+    stamps = _stamps(file, camera)
+    silence = _usual(stamps, least)
+    if not stamps:
+        return silence
+    steps = [after - before for before, after in pairwise(stamps)]
+    longest = max(*steps, stamps[0] - start, file.contents.end - stamps[-1], 0)
+    return silence if longest >= silence.after else None
+
+
+def usual(file: LogFile, camera: Topic, least: float) -> Silence:
+    """Return when a camera would count as silent; see :func:`silence_of`."""
+    return _usual(_stamps(file, camera), least)
+
+
+def _stamps(file: LogFile, camera: Topic) -> list[int]:
     channels = set(camera.channels)
     found = [t for times in message_times(file) for c, t in times.items() if c in channels]
     # Times in a damaged file may be larger than 64 bits with a sign hold.
-    stamps = sorted(each for times in found for each in times)
-    if not stamps:
-        return Silence(round(least * 1e9), 0)
+    return sorted(each for times in found for each in times)
+
+
+def _usual(stamps: Sequence[int], least: float) -> Silence:
     steps = [after - before for before, after in pairwise(stamps)]
     period = round(median(steps)) if steps else 0
-    after = max(round(least * 1e9), LEFT_OUT * period)
-    contents = file.contents
-    longest = max(*steps, stamps[0] - contents.start, contents.end - stamps[-1], 0)
-    return Silence(after, period) if longest >= after else None
+    return Silence(max(round(least * 1e9), LEFT_OUT * period), period)

@@ -39,9 +39,7 @@ class Track:
         return self.newest is not None and self.newest >= stamp
 
     def forget_before(self, stamp: int) -> None:
-        """Drop what lies before a time, but for the last item of it, once it is worth it."""
-        if len(self.items) < FEW:
-            return
+        """Drop what lies before a time, but for the last item of it."""
         keep = bisect_right(self.items, stamp, key=_stamp) - 1
         if keep > 0:
             del self.items[:keep]
@@ -165,6 +163,7 @@ class Synchroniser:
         self.repeated = 0
         self.stood_in = 0
         self.first: dict[str, int] = {}
+        self._waits = bool(self.followers) or motion is not None
         self._clock = Clock(window)
         self._tracks: dict[str, Track] = {part: Track() for part in (*self.followers, "label")}
         self._recorded = Track()  # labels that have the recorder's time alone
@@ -267,7 +266,7 @@ class Synchroniser:
         self._last = None
 
     def _ready(self, stamp: int, now: int) -> bool:
-        if now - stamp >= self.window:
+        if not self._waits or now - stamp >= self.window:
             return True
         if self.motion is not None and not self.motion.reaches(stamp):
             return False
@@ -342,7 +341,8 @@ class Synchroniser:
         if self._waiting:
             oldest = min(oldest, self._waiting[0][0])
         for track in self._tracks.values():
-            track.forget_before(oldest - self.tolerance)
+            if len(track.items) >= FEW:
+                track.forget_before(oldest - self.tolerance)
         if self.motion is not None:
             self.motion.buffer.forget_before(oldest - self.tolerance - self.pose_gap)
         if len(self._recorded.items) >= FEW:

@@ -22,6 +22,7 @@ NO_LABEL_WORDS = frozenset(
         "pick",
         "and",
         "drop",
+        "count",
         "object",
         "objects",
         "grasp",

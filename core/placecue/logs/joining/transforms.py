@@ -48,6 +48,12 @@ class Edge:
         else:
             history.insert(at, transform)
 
+    def says(self, transform: Transform) -> bool:
+        """Tell whether a transform is what holds at its time anyway."""
+        before, after = self.around(transform.stamp)
+        found = before or after
+        return found is not None and replace(found, stamp=transform.stamp) == transform
+
     def at(self, stamp: int, tolerance: int, gap: int) -> Matrix | None:
         """Return the matrix at a time, None where none is near enough; see TransformBuffer."""
         found = self.around(stamp)
@@ -118,6 +124,8 @@ class TransformBuffer:
     ----------
     faults : Faults
         Transforms that were left out.
+    changes : int
+        How often a static transform came that says something new.
     """
 
     def __init__(self, tolerance: int = 100_000_000, gap: int = 1_000_000_000) -> None:
@@ -125,6 +133,7 @@ class TransformBuffer:
         self.gap = gap
         self.edges: dict[str, Edge] = {}
         self.faults = Faults()
+        self.changes = 0
         self._frames: set[str] = set()
 
     def add(self, transform: Transform, static: bool = False) -> None:
@@ -143,7 +152,11 @@ class TransformBuffer:
             return
         if edge is None:
             edge = self.edges[transform.child] = Edge(static)
-        edge.add(replace(transform, rotation=rotation))
+        sound = replace(transform, rotation=rotation)
+        if edge.static and edge.says(sound):
+            return  # nodes that say it again and again would fill the memory
+        edge.add(sound)
+        self.changes += edge.static
         if len(self._frames) < MANY:
             self._frames |= {transform.child, transform.parent}
 
@@ -217,6 +230,11 @@ class TransformBuffer:
     def moving(self, target: str, source: str) -> bool:
         """Tell whether a transform that is not static lies between two frames."""
         return any(not self.edges[frame].static for frame in self.steps(target, source) or ())
+
+    def holds(self, target: str, source: str) -> bool:
+        """Tell whether all between two frames is static, and has said one thing so far."""
+        edges = [self.edges[frame] for frame in self.steps(target, source) or ()]
+        return all(edge.static and len(edge.history) == 1 for edge in edges)
 
     def reaches(self, target: str, source: str, stamp: int) -> bool:
         """Tell whether all that moves between two frames has got as far as a time."""

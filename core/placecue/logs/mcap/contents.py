@@ -12,6 +12,7 @@ from typing import IO, cast
 
 from mcap.reader import FOOTER_SIZE, SeekingReader
 from mcap.records import (
+    Attachment,
     Channel,
     ChunkIndex,
     Header,
@@ -47,6 +48,8 @@ class Contents:
         Where the chunks are; empty where the file must be read from front to back.
     metadata : dict of str to dict
         Metadata records by name.
+    attachments : list of str
+        Names of attachments.
     profile : str
         Of the file's header.
     damages : list of Damage
@@ -68,6 +71,7 @@ class Contents:
     end: int = 0
     chunks: list[ChunkIndex] = field(default_factory=list)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    attachments: list[str] = field(default_factory=list)
     profile: str = ""
     damages: list[Damage] = field(default_factory=list)
     said: int | None = None
@@ -125,6 +129,7 @@ def _from_summary(path: Path, size: int) -> Contents | None:
         end=max(chunk.message_end_time for chunk in summary.chunk_indexes),
         chunks=summary.chunk_indexes,
         metadata=metadata,
+        attachments=[each.name for each in summary.attachment_indexes],
         profile=profile,
     )
 
@@ -202,6 +207,8 @@ def _take_in(found: Contents, record: McapRecord) -> None:
         found.channels.setdefault(record.id, record)
     elif isinstance(record, Metadata):
         found.metadata[record.name] = record.metadata
+    elif isinstance(record, Attachment):
+        found.attachments.append(record.name)
     elif isinstance(record, Header):
         found.profile = record.profile
     elif isinstance(record, Statistics):

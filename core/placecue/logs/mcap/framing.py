@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 from io import BytesIO
-from typing import Any
+from typing import Any, cast
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
@@ -34,6 +35,8 @@ MESSAGE = struct.Struct("<HIQQ")
 #: Where the summary begins, where its offsets begin, and its checksum.
 FOOTER = struct.Struct("<QQI")
 FOOTER_LENGTH = FOOTER.size
+#: Bytes from which on messages are not copied out of their chunk until they are given.
+LARGE_MESSAGE = 2**18
 #: From here on opcodes belong to applications.
 PRIVATE = 0x80
 
@@ -82,8 +85,17 @@ def parse(opcode: int, body: bytes) -> McapRecord | None:
     return _READERS[opcode](ReadDataStream(BytesIO(body)))
 
 
+def owned(message: Message) -> Message:
+    """Return a message with bytes of its own; see :func:`split`."""
+    data: object = message.data
+    return replace(message, data=bytes(data)) if isinstance(data, memoryview) else message
+
+
 def split(data: bytes, wanted: Collection[int] | None = None) -> Iterator[McapRecord]:
     """Yield the schemas, channels and messages of a chunk's uncompressed content.
+
+    The data of large messages are views of the content, so that a chunk that is sorted before it
+    is given takes its memory once; :func:`owned` gives them bytes of their own.
 
     Parameters
     ----------
@@ -106,7 +118,8 @@ def split(data: bytes, wanted: Collection[int] | None = None) -> Iterator[McapRe
         if opcode == Opcode.MESSAGE:
             channel, sequence, log_time, publish_time = MESSAGE.unpack_from(data, at)
             if wanted is None or channel in wanted:
-                content = data[at + MESSAGE.size : at + length]
+                whole = memoryview(data) if length > LARGE_MESSAGE else data
+                content = cast(bytes, whole[at + MESSAGE.size : at + length])
                 yield Message(channel, log_time, content, publish_time, sequence)
         elif opcode in (Opcode.CHANNEL, Opcode.SCHEMA):
             record = parse(opcode, data[at : at + length])

@@ -19,7 +19,7 @@ from placecue.logs.mcap.chunks import (
     read_head,
     salvage,
 )
-from placecue.logs.mcap.framing import HEAD, split
+from placecue.logs.mcap.framing import HEAD, owned, split
 from placecue.logs.mcap.linear import Damage, OnDamage, describe, messages_of, within
 
 log_time = attrgetter("log_time")
@@ -55,14 +55,14 @@ def messages(
     pending: list[Message] = []  # in order of log time
     for index in sorted(indexes, key=lambda chunk: chunk.message_start_time):
         due = bisect_left(pending, index.message_start_time, key=log_time)
-        yield from pending[:due]
+        yield from map(owned, pending[:due])
         del pending[:due]
         inside = sorted(_chunk(contents, index, channels, on_damage), key=log_time)
         if pending and inside and inside[0].log_time < pending[-1].log_time:
             pending = sorted([*pending, *inside], key=log_time)  # stable: earlier chunks first
         else:
             pending += inside
-    yield from pending
+    yield from map(owned, pending)
 
 
 def times(file: IO[bytes], index: ChunkIndex) -> dict[int, list[int]] | None:

@@ -13,7 +13,7 @@ from mcap.records import Channel, McapRecord, Message
 
 from placecue.limits import current_limits
 from placecue.logs.mcap.chunks import ChunkHead, ContentReader, read_head, salvage
-from placecue.logs.mcap.framing import FOOTER_LENGTH, HEAD, KNOWN, PRIVATE, parse, split
+from placecue.logs.mcap.framing import FOOTER_LENGTH, HEAD, KNOWN, PRIVATE, owned, parse, split
 
 MAGIC = b"\x89MCAP0\r\n"
 #: The beginning of a record of a known kind, shorter than 2^40 bytes.
@@ -124,7 +124,7 @@ class _Walk:
                 found, place = self._record(place, *head)
             for record in found:
                 self._note(record)
-                yield record
+                yield owned(record) if isinstance(record, Message) else record
 
     def _over(self, at: int) -> bool:
         return self.inside and at == self.size

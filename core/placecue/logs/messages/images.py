@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -218,16 +219,25 @@ def compressed(data: bytes, words: str, origin: str) -> EncodedImage | Reordered
     origin : str
         Where it comes from, for messages.
     """
+    code, channels, codec = _meant(words)
+    if channels:
+        return ReorderedImage(data, code, channels, origin)
+    return EncodedImage(data, codec, origin)
+
+
+@lru_cache(maxsize=64)
+def _meant(words: str) -> tuple[str, int, str]:
+    """Return what the words say: conversion and channels, 0 for any decoder's, and codec."""
     pixels, _, rest = words.lower().partition(";")
     encoded = rest.partition("compressed")[2].strip()
     mosaic = FORMATS.get(pixels.strip())
+    codec = next((name for name in CODECS if name in words.lower()), "jpeg")
     if encoded.startswith("rgb"):
-        return ReorderedImage(data, "", 3, origin)
+        return "", 3, codec
     if mosaic is not None and "bayer" in pixels and encoded in ("", pixels.strip()):
         assert mosaic.code is not None  # every mosaic has one
-        return ReorderedImage(data, mosaic.code, 1, origin)
-    codec = next((name for name in CODECS if name in words.lower()), "jpeg")
-    return EncodedImage(data, codec, origin)
+        return mosaic.code, 1, codec
+    return "", 0, codec
 
 
 def _by_opencv(pixels: NDArray[np.uint8], code: str, what: str) -> Image:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import TypeAlias
 
 #: Fields of each message, as in ROS 2's own .msg files; ROS 1's are the same but for the header.
@@ -69,6 +70,7 @@ def definition(name: str) -> str:
     return SEPARATOR.join([FIELDS[name], *inner]) + "\n"
 
 
+@lru_cache(maxsize=64)  # every reader of a topic asks, and parsing takes milliseconds
 def is_standard(name: str, text: bytes, language: str) -> bool:
     """Tell whether a definition has the fields that the message has in ROS itself.
 

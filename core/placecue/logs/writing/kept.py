@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from heapq import merge
 
-from mcap.reader import make_reader
 from mcap.records import Channel, Message
 
-from placecue.logs.mcap.container import LogFile, Topic
+from placecue.logs.mcap.container import Topic
 from placecue.logs.reader import McapLog
+from placecue.logs.writing.attachments import attachments_of
 from placecue.logs.writing.output import Output, profile_of
-
-log = logging.getLogger(__name__)
 
 #: Topics that observations are written to; others of these names go below :data:`ASIDE`.
 TAKEN = frozenset((
@@ -52,7 +49,8 @@ class Kept:
             for name, values in each.file.contents.metadata.items():
                 if name != "placecue":
                     output.metadata(name, values)
-            _attach(each.file, output)
+            for attachment in attachments_of(each.file):
+                output.attach(attachment)
         self._waiting = merge(*(self._messages(n) for n in range(len(self.logs))))
         self._next = next(self._waiting, None)
 
@@ -87,14 +85,3 @@ def _channels(log: McapLog) -> dict[int, Channel]:
 
 def _aside(topic: str) -> str:
     return f"{ASIDE}{topic}" if topic in TAKEN else topic
-
-
-def _attach(file: LogFile, output: Output) -> None:
-    if not file.contents.chunks:  # a bag, or a file without an index
-        return
-    try:
-        with file.path.open("rb") as opened:
-            for attachment in make_reader(opened).iter_attachments():
-                output.attach(attachment)
-    except Exception as error:  # a parser fed with damaged bytes may raise anything
-        log.warning(f"{file.path}: attachments are left out: {type(error).__name__}: {error}")

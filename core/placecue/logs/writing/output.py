@@ -95,7 +95,7 @@ class Output:
         """Write a message, with its stamp as log time, ns."""
         data = written.type.serialise(written.message)
         channel = self._channel(written.topic, written.type)
-        self._writer.add_message(channel, log_time=stamp, data=data, publish_time=stamp)
+        self._add(channel, stamp, data, stamp)
 
     def copy(
         self, message: Message, channels: Mapping[int, Channel], schemas: Mapping[int, Schema]
@@ -116,13 +116,19 @@ class Output:
             self._copied[number] = self._writer.register_channel(
                 channel.topic, channel.message_encoding, schema, channel.metadata
             )
-        self._writer.add_message(
+        self._add(
             self._copied[number],
             message.log_time,
             message.data,
             message.publish_time,
             message.sequence,
         )
+
+    def _add(self, channel: int, log_time: int, data: bytes, time: int, sequence: int = 0) -> None:
+        try:
+            self._writer.add_message(channel, log_time, data, time, sequence)
+        except OSError as error:
+            raise DataError(f"cannot write {self.path}: {error.strerror}") from error
 
     def attach(self, attachment: Attachment) -> None:
         """Write an attachment."""

@@ -1,0 +1,1 @@
+"""A robot's messages as they come, over the WebSocket protocol that Foxglove speaks."""

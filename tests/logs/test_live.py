@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from pathlib import Path
 from threading import Thread
 
@@ -136,8 +137,7 @@ def test_what_is_no_address(address: str) -> None:
         LiveLog(address)
 
 
-def test_options_of_recorded_logs_are_refused() -> None:
-    with pytest.raises(UsageError, match=r"source\.start"):
-        LiveLog("ws://127.0.0.1:1", start=3.0)
+def test_a_stream_has_no_part_to_choose_and_waits_no_negative_time() -> None:
+    assert {"start", "end"}.isdisjoint(signature(LiveLog).parameters)
     with pytest.raises(UsageError, match=r"source\.patience is -1"):
         LiveLog("ws://127.0.0.1:1", patience=-1)

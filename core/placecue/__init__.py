@@ -81,6 +81,7 @@ if TYPE_CHECKING:
         Scaling,
         StandardScaling,
         UnitLength,
+        UnitSpread,
         unit_length,
     )
     from placecue.scene_folds import Scenes
@@ -184,6 +185,7 @@ __all__ = [
     "UNKNOWN",
     "UnfitSamples",
     "UnitLength",
+    "UnitSpread",
     "Unknown",
     "UnusableObservation",
     "UsageError",
@@ -290,6 +292,7 @@ _MODULES = {
         "Scaling",
         "StandardScaling",
         "UnitLength",
+        "UnitSpread",
         "unit_length",
     ),
     "schemes": ("Schemes", "sets_of"),

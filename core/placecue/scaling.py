@@ -5,10 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from placecue import contracts
 from placecue.checks import check_number, check_whole
@@ -26,7 +27,14 @@ class Scaling(Estimator, ABC):
     """Maps each column of a matrix by what was learned from training samples.
 
     What is learned is plain arrays, or scalings, under names that end in ``_``.
+
+    Attributes
+    ----------
+    takes_sparse : bool
+        Whether it takes sparse matrices (``scipy.sparse.csr_array``) too, and leaves them sparse.
     """
+
+    takes_sparse: ClassVar[bool] = False
 
     @abstractmethod
     def fit(self, features: Matrix) -> Self:
@@ -169,6 +177,68 @@ def unit_length(rows: Matrix) -> Matrix:
     """Return rows of unit Euclidean length, shape (n, d); a row of zeros stays."""
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.asarray(rows / np.where(lengths > 0, lengths, 1.0))
+
+
+class UnitSpread(Scaling):
+    """Divides all columns by one number, so that their variances sum to one.
+
+    The mean squared distance between samples is then 2, whatever the features are. Of features in
+    parts that are joined to one vector each part so has the same say, sparse histograms too.
+
+    Parameters
+    ----------
+    scaling : Scaling, optional
+        Scales the columns of dense features first; none by default.
+
+    Attributes
+    ----------
+    scaling_ : Scaling or None
+        The fitted one.
+    spread_ : ndarray of float64, shape (1,)
+        What columns are divided by: the root of the sum of their variances; 1 where nothing varies.
+    """
+
+    takes_sparse: ClassVar[bool] = True
+
+    def __init__(self, scaling: Scaling | None = None) -> None:
+        self.scaling = scaling
+
+    def check_parameters(self) -> None:  # noqa: D102
+        if self.scaling is not None and not isinstance(self.scaling, Scaling):
+            raise UsageError(f"scaling.scaling must be a Scaling or None, got {self.scaling!r}")
+
+    def fit(self, features: Matrix) -> Self:  # noqa: D102
+        return self.train(features)
+
+    def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
+        """Learn from training samples; see :meth:`Scaling.train`."""
+        self.check_parameters()
+        self.scaling_ = None
+        if self.scaling is not None and not sparse.issparse(features):
+            self.scaling_ = clone(self.scaling)
+            call(self.scaling_, "train", features, families)
+        spread = np.sqrt(_variances(self._columns(features)).sum())
+        self.spread_ = np.array([spread if spread > 0 else 1.0])
+        return self
+
+    def transform(self, features: Matrix) -> Matrix:  # noqa: D102
+        scaled: Matrix = self._columns(features) / self.spread_[0]
+        return scaled
+
+    def _columns(self, features: Matrix) -> Matrix:
+        if self.scaling_ is None:
+            return features
+        check = partial(contracts.scaled, shape=features.shape)
+        scaled: Matrix = call(self.scaling_, "transform", features, check=check)
+        return scaled
+
+
+def _variances(features: Any) -> Matrix:
+    """Return the variance of each column, of a sparse matrix too."""
+    if not sparse.issparse(features):
+        return np.asarray(features.var(axis=0))
+    squares = np.asarray(features.multiply(features).mean(axis=0))
+    return np.asarray(np.maximum(squares - np.asarray(features.mean(axis=0)) ** 2, 0))
 
 
 class FamilyScaling(Scaling):

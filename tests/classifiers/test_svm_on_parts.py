@@ -9,7 +9,7 @@ import pytest
 from scipy import sparse
 
 from placecue import Blocks, FeatureParts, Scores, TrainingSet, UsageError
-from placecue.scaling import QuantileScaling, RangeScaling, StandardScaling
+from placecue.scaling import QuantileScaling, RangeScaling, StandardScaling, UnitSpread
 from placecue_classifiers.adaboost import AdaBoost
 from placecue_classifiers.scikit_learn import ScikitLearn
 from placecue_classifiers.svm import SVM
@@ -31,6 +31,38 @@ def features(seed: int = 0) -> FeatureParts:
     near = np.random.default_rng(7).normal(size=(5, 3))[codes] + generator.normal(size=(N, 3))
     far = 1000 * (near[:, :2] + generator.normal(size=(N, 2)))
     return FeatureParts({"histogram": sparse.csr_array(histogram), "near": near, "far": far})
+
+
+def test_parts_of_one_spread_have_the_same_say() -> None:
+    training, asked = features(), features(1)
+    svm = SVM(RBF(0.2), C=10.0, scaling=UnitSpread(StandardScaling())).fit(training, LABELS)
+
+    def joined(batch: FeatureParts) -> np.ndarray:
+        """The joined vector, each part by itself, by numpy."""
+        parts = []
+        for name in ("histogram", "near", "far"):
+            seen = training.parts[name]
+            seen, new = (
+                m.toarray() if sparse.issparse(m) else m for m in (seen, batch.parts[name])
+            )
+            if name != "histogram":
+                new = (new - seen.mean(axis=0)) / seen.std(axis=0)
+                seen = (seen - seen.mean(axis=0)) / seen.std(axis=0)
+            parts.append(new / np.sqrt(seen.var(axis=0).sum()))
+        return np.hstack(parts)
+
+    alone = SVM(RBF(0.2), C=10.0).fit(joined(training), LABELS)
+    expected = alone.scores(joined(asked)).values
+    np.testing.assert_allclose(svm.scores(asked).values, expected, atol=1e-6)
+    support = svm.support_features_
+    assert isinstance(support, FeatureParts)
+    assert sparse.issparse(support.parts["histogram"])
+    # A histogram alone, in one piece.
+    histogram = training.parts["histogram"]
+    scaled = histogram / np.sqrt(histogram.toarray().var(axis=0).sum())
+    one = SVM(RBF(0.2), C=10.0, scaling=UnitSpread()).fit(histogram, LABELS)
+    other = SVM(RBF(0.2), C=10.0).fit(scaled, LABELS)
+    np.testing.assert_allclose(one.scores(histogram).values, other.scores(scaled).values, atol=1e-6)
 
 
 @pytest.mark.parametrize("scaling", [RangeScaling(), StandardScaling(), QuantileScaling(9)])

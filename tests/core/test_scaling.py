@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import sparse
 from sklearn.preprocessing import MinMaxScaler, StandardScaler
 
 from placecue import UsageError
@@ -12,6 +13,7 @@ from placecue.scaling import (
     Scaling,
     StandardScaling,
     UnitLength,
+    UnitSpread,
 )
 
 TRAINING = np.random.default_rng(0).gamma(2.0, size=(200, 4)) * [1, 10, 0.1, 5]
@@ -122,3 +124,38 @@ def test_weights_that_cannot_be(weights: object, families: object, message: str)
 def test_what_is_no_scaling_is_refused() -> None:
     with pytest.raises(UsageError, match=r"scaling\.scaling must be a Scaling or None, got '"):
         FamilyScaling("range").fit(CORNERS)  # type: ignore[arg-type]
+
+
+def test_spread_of_dense_features_is_one() -> None:
+    features = np.random.default_rng(0).normal(3, [1.0, 5.0, 0.0], size=(500, 3))
+    fitted = UnitSpread().fit(features)
+    assert fitted.spread_ == pytest.approx([np.sqrt(features.var(axis=0).sum())])
+    scaled = fitted.transform(features)
+    assert scaled.var(axis=0).sum() == pytest.approx(1)
+    # The mean squared distance between two samples is twice the sum of the variances.
+    squared = ((scaled[:, None] - scaled[None]) ** 2).sum(axis=2)
+    assert squared.mean() == pytest.approx(2)
+
+
+def test_spread_leaves_sparse_features_sparse() -> None:
+    generator = np.random.default_rng(1)
+    dense = generator.random((40, 9)) * (generator.random((40, 9)) < 0.3)
+    found = UnitSpread(QuantileScaling()).fit(sparse.csr_array(dense))  # quantiles are for dense
+    scaled = found.transform(sparse.csr_array(dense))
+    assert sparse.issparse(scaled)
+    assert scaled.toarray() == pytest.approx(dense / np.sqrt(dense.var(axis=0).sum()))
+
+
+def test_spread_after_another_scaling() -> None:
+    features = np.random.default_rng(2).normal(size=(30, 4))
+    scaled = UnitSpread(StandardScaling()).fit(features).transform(features)
+    assert scaled == pytest.approx((features - features.mean(axis=0)) / features.std(axis=0) / 2)
+
+
+def test_what_does_not_vary_stays() -> None:
+    same = np.full((5, 2), 3.0)
+    assert UnitSpread().fit(same).transform(same) == pytest.approx(same)
+    with pytest.raises(
+        UsageError, match=r"scaling\.scaling must be a Scaling or None, got 'range'"
+    ):
+        UnitSpread("range").fit(same)  # type: ignore[arg-type]

@@ -85,6 +85,13 @@ def _scalings() -> list[Component]:
             summary="Every family of features the same weight, after another scaling",
             requires=("dense vectors",),
         ),
+        Component(
+            kind="scaling",
+            name="even",
+            factory="placecue.scaling:UnitSpread",
+            summary="Variances that sum to one, after another scaling: joined parts have one say",
+            requires=("dense vectors", "sparse histograms"),
+        ),
     ]
 
 

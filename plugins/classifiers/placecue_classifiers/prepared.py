@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy import sparse
 
 from placecue import contracts
 from placecue.classifier import WrongKind
@@ -153,7 +153,8 @@ def fitted_scaling(
 ) -> Fitted | None:
     """Return a copy of a scaling fitted on dense features, shape (n, d); None for none.
 
-    Of features in parts a copy for each dense part; the others are left alone. ``families`` names
+    Of features in parts a copy for each dense part, and for each sparse one where the scaling
+    takes it; the others are left alone. ``families`` names
     the family of each feature, if that is known.
 
     Raises
@@ -166,10 +167,10 @@ def fitted_scaling(
     if not isinstance(scaling, Scaling):
         raise UsageError(f"scaling must be a Scaling, such as QuantileScaling(), got {scaling!r}")
     if isinstance(features, FeatureParts):
-        dense = {n: p for n, p in features.parts.items() if kind_of(p) is FeatureKind.DENSE}
+        scaled = {n: part for n, part in features.parts.items() if _takes(scaling, part)}
         of_part = families if isinstance(families, Mapping) else {}
-        return {n: _fitted_on(part, scaling, of_part.get(n)) for n, part in dense.items()}
-    if kind_of(features) is not FeatureKind.DENSE:
+        return {n: _fitted_on(part, scaling, of_part.get(n)) for n, part in scaled.items()}
+    if not _takes(scaling, features):
         raise WrongKind(
             f"scaling {type(scaling).__name__} takes dense vectors, got {kind_of(features)}: "
             "choose scaling=null for this cue"
@@ -178,10 +179,19 @@ def fitted_scaling(
     return _fitted_on(features, scaling, families)
 
 
-def _fitted_on(dense: FeatureBatch, scaling: Scaling, families: Sequence[str] | None) -> Scaling:
+def _takes(scaling: Scaling, features: FeatureBatch) -> bool:
+    kind = kind_of(features)
+    return kind is FeatureKind.DENSE or (scaling.takes_sparse and kind is FeatureKind.SPARSE)
+
+
+def _fitted_on(part: FeatureBatch, scaling: Scaling, families: Sequence[str] | None) -> Scaling:
     copy: Scaling = clone(scaling)
-    call(copy, "train", np.asarray(dense, dtype=np.float64), families)
+    call(copy, "train", _matrix(part), families)
     return copy
+
+
+def _matrix(part: FeatureBatch) -> Any:
+    return part if sparse.issparse(part) else np.asarray(part, dtype=np.float64)
 
 
 def transformed(scaling: Fitted, features: FeatureBatch) -> Any:
@@ -193,14 +203,17 @@ def transformed(scaling: Fitted, features: FeatureBatch) -> Any:
     return FeatureParts({**features.parts, **scaled})
 
 
-def _scaled(scaling: Scaling, features: FeatureBatch) -> NDArray[np.float64]:
-    dense = np.asarray(features, dtype=np.float64)
+def _scaled(scaling: Scaling, features: FeatureBatch) -> Any:
+    matrix = _matrix(features)
 
-    def wrong(made: object) -> str | None:
-        return contracts.scaled(made, dense.shape) or contracts.finite(made)
+    def wrong(made: Any) -> str | None:
+        if not sparse.issparse(matrix):
+            return contracts.scaled(made, matrix.shape) or contracts.finite(made)
+        if not sparse.issparse(made) or made.shape != matrix.shape:
+            return f"made no sparse matrix of shape {matrix.shape} of one"
+        return contracts.finite(made.data)
 
-    scaled: NDArray[np.float64] = call(scaling, "transform", dense, check=wrong)
-    return scaled
+    return call(scaling, "transform", matrix, check=wrong)
 
 
 def learns(kernel: Kernel, features: FeatureBatch) -> bool:

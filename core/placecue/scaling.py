@@ -217,8 +217,9 @@ class UnitSpread(Scaling):
         if self.scaling is not None and not sparse.issparse(features):
             self.scaling_ = clone(self.scaling)
             call(self.scaling_, "train", features, families)
-        spread = np.sqrt(_variances(self._columns(features)).sum())
-        self.spread_ = np.array([spread if spread > 0 else 1.0])
+        columns = self._columns(features)
+        spread, rounding = np.sqrt(_total_variance(columns)), 1e-12 * abs(columns).max()
+        self.spread_ = np.array([spread if spread > rounding else 1.0])
         return self
 
     def transform(self, features: Matrix) -> Matrix:  # noqa: D102
@@ -233,12 +234,16 @@ class UnitSpread(Scaling):
         return scaled
 
 
-def _variances(features: Any) -> Matrix:
-    """Return the variance of each column, of a sparse matrix too."""
+def _total_variance(features: Any) -> float:
+    """Return the sum of the variances of the columns, of a sparse matrix too."""
     if not sparse.issparse(features):
-        return np.asarray(features.var(axis=0))
-    squares = np.asarray(features.multiply(features).mean(axis=0))
-    return np.asarray(np.maximum(squares - np.asarray(features.mean(axis=0)) ** 2, 0))
+        return float(features.var(axis=0).sum())
+    # A CRFH has hundreds of millions of columns, of which few hold anything.
+    held, n = features.tocoo(), features.shape[0]
+    _, column, stored = np.unique(held.col, return_inverse=True, return_counts=True)
+    means = np.bincount(column, held.data) / n
+    of_stored = np.square(held.data - means[column]).sum()
+    return float((of_stored + (n - stored) @ np.square(means)) / n)
 
 
 class FamilyScaling(Scaling):

@@ -146,6 +146,13 @@ def test_spread_leaves_sparse_features_sparse() -> None:
     assert scaled.toarray() == pytest.approx(dense / np.sqrt(dense.var(axis=0).sum()))
 
 
+def test_spread_of_as_many_columns_as_a_histogram_of_six_filters_has() -> None:
+    held, columns = np.array([1.0, 2.0, 3.0]), np.array([5, 5, 28**6 - 1])
+    wide = sparse.csr_array((held, (np.arange(3), columns)), shape=(3, 28**6))
+    variance = np.var([1.0, 2.0, 0.0]) + np.var([0.0, 0.0, 3.0])
+    assert UnitSpread().fit(wide).spread_ == pytest.approx([np.sqrt(variance)])
+
+
 def test_spread_after_another_scaling() -> None:
     features = np.random.default_rng(2).normal(size=(30, 4))
     scaled = UnitSpread(StandardScaling()).fit(features).transform(features)
@@ -153,8 +160,10 @@ def test_spread_after_another_scaling() -> None:
 
 
 def test_what_does_not_vary_stays() -> None:
-    same = np.full((5, 2), 3.0)
+    same = np.full((3, 2), 0.1)  # whose mean is not 0.1 to the last bit
     assert UnitSpread().fit(same).transform(same) == pytest.approx(same)
+    alike = sparse.csr_array(same)
+    assert UnitSpread().fit(alike).transform(alike).toarray() == pytest.approx(same)
     with pytest.raises(
         UsageError, match=r"scaling\.scaling must be a Scaling or None, got 'range'"
     ):

@@ -18,6 +18,7 @@ from placecue.extraction import Extraction
 from placecue.features import take
 from placecue.folds import Rows
 from placecue.observation import Observation
+from placecue.read_only import read_only
 from placecue.scores import Layout, Scores
 
 #: Some of n observations: their numbers, or a mask.
@@ -111,6 +112,7 @@ class StoredEvidence(Evidence):
         self.cues = tuple(scores)
         self._scores = dict(scores)
         self._trained_on = trained_on
+        self._known: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:
         return len(next(iter(self._scores.values())))
@@ -128,6 +130,11 @@ class StoredEvidence(Evidence):
 
     def available(self, cue: str) -> NDArray[np.bool_]:  # noqa: D102
         return self.scores(cue).available()
+
+    def known(self) -> NDArray[np.bool_]:  # noqa: D102
+        if self._known is None:
+            self._known = read_only(super().known())
+        return self._known
 
     def used(self, row: int) -> tuple[str, ...]:  # noqa: D102
         return tuple(cue for cue in self.cues if self._scores[cue][[row]].available().all())

@@ -222,9 +222,7 @@ class DecisionList(_ColumnPerClass):
         of_list = np.empty(m)
         of_list[places] = np.arange(m, 0, -1)
         order = np.lexsort((values, np.where(accepts, of_list, 0)), axis=1)
-        ranks = np.empty_like(order)
-        np.put_along_axis(ranks, order, np.arange(m)[None, :], axis=1)
-        return ranks.astype(np.float64)
+        return _ranks(order)
 
     def of_preference(self, preference: Values) -> Values:
         """Return outputs of which the winner's alone is positive."""
@@ -276,6 +274,13 @@ class OneAgainstOne(Layout):
 
     def preference(self, values: Values) -> Values:
         """Return ranks by votes, then votes among the tied, then the worst margin."""
+        return _ranks(self._order(values))
+
+    def rank(self, values: Values) -> NDArray[np.int64]:  # noqa: D102
+        return self._order(values)[:, ::-1]
+
+    def _order(self, values: Values) -> NDArray[np.int64]:
+        """Return the classes from worst to best, shape (n, M)."""
         margins = self.margins(values)
         wins = margins > 0
         votes = wins.sum(axis=2)
@@ -285,16 +290,21 @@ class OneAgainstOne(Layout):
         m = len(self.classes)
         other[:, range(m), range(m)] = False
         worst = np.where(other, margins, np.inf).min(axis=2)
-        order = np.lexsort((worst, second, votes), axis=1)
-        ranks = np.empty_like(order)
-        np.put_along_axis(ranks, order, np.arange(order.shape[1])[None, :], axis=1)
-        return ranks.astype(np.float64)
+        return np.lexsort((worst, second, votes), axis=1)
 
     def confidence(self, values: Values, ranking: NDArray[np.int64]) -> Values:  # noqa: D102
-        margins = self.margins(values)
-        won = np.take_along_axis(margins, ranking[:, :1, None], axis=1)[:, 0]
-        np.put_along_axis(won, ranking[:, :1], np.inf, axis=1)
+        rows, winners = np.arange(len(values)), ranking[:, 0]
+        won = self.margins(values)[rows, winners]
+        won[rows, winners] = np.inf
         return np.asarray(won.min(axis=1))
+
+
+def _ranks(order: NDArray[np.int64]) -> Values:
+    """Return the place of each class in an order from worst to best, shape (n, M)."""
+    ranks = np.empty(order.shape)
+    # np.put_along_axis takes as long as all else that is done for one sample.
+    ranks[np.arange(len(order))[:, None], order] = np.arange(order.shape[1])
+    return ranks
 
 
 # Asked for at every observation, where they would take as long as the sums.

@@ -171,11 +171,19 @@ class Ros2Log:
         }
         self.put(topic, "nav_msgs/msg/Odometry", message, t)
 
-    def pose(self, t: float, x: float, y: float, theta: float, covariance: bool = False) -> None:
+    def pose(
+        self,
+        t: float,
+        x: float,
+        y: float,
+        theta: float,
+        covariance: bool = False,
+        frame: str = "map",
+    ) -> None:
         pose: dict[str, Any] = {"position": {"x": x, "y": y}, "orientation": heading(theta)}
         kind = "PoseWithCovarianceStamped" if covariance else "PoseStamped"
         message = {
-            "header": self.header(t, "map"),
+            "header": self.header(t, frame),
             "pose": {"pose": pose} if covariance else pose,
         }
         self.put("/where", f"geometry_msgs/msg/{kind}", message, t)

@@ -81,6 +81,13 @@ def test_info_shows_coverage_and_the_way(log_a: Path, rooms: Path, tmp_path: Pat
     assert any(0x2800 < ord(letter) < 0x2900 for letter in said)
     said = succeeds("info", f"log={log_a}", f"rooms={rooms}").out
     assert "west: " in said
+    far = tmp_path / "far.geojson"
+    corners = [[[900, 0], [901, 0], [901, 1], [900, 0]]]
+    shape = {"type": "Polygon", "coordinates": corners}
+    room = {"type": "Feature", "properties": {"class": "west"}, "geometry": shape}
+    far.write_text(json.dumps({"type": "FeatureCollection", "features": [room]}))
+    told = placecue("info", f"log={log_a}", f"rooms={far}")
+    assert "not one of 96 observations lies in a room; the poses are given in odom" in told.line
     picture = tmp_path / "way.png"
     assert "way.png" in succeeds("info", f"log={log_a}", f"out={picture}").out
     assert picture.read_bytes().startswith(b"\x89PNG")

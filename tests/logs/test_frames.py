@@ -282,6 +282,20 @@ def test_labels_without_a_stamp_go_by_the_recorders_clock(
     assert f"/scan {abs(lag):.1f} s {'behind' if lag > 0 else 'ahead'}" in caplog.text
 
 
+@pytest.mark.parametrize("poses", [False, True])
+def test_a_label_recorded_at_the_time_of_a_scan_holds_for_it_wherever_it_stands(
+    ros2: Any, poses: bool
+) -> None:
+    log = ros2()
+    for i in range(6):
+        log.scan(float(i), [1.0])
+        if poses:
+            log.odom(float(i), 0.1 * i, 0.0, 0.0)
+        log.string(float(i), ("office", "corridor")[i // 3])
+    found = [each.label for each in open_log(log.close())]
+    assert found == ["office"] * 3 + ["corridor"] * 3
+
+
 def test_topics_of_different_clocks_are_joined_by_the_recorders(
     ros2: Any, caplog: pytest.LogCaptureFixture
 ) -> None:

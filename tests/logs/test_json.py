@@ -99,3 +99,11 @@ def test_broken_messages_are_counted(
     log.scan(0.2, [1.0])
     assert len(list(open_log(log.close()))) == 2
     assert "1 messages could not be used" in caplog.text
+
+
+def test_a_time_in_words_is_told(as_json: Any, caplog: pytest.LogCaptureFixture) -> None:
+    log = as_json()
+    log.scan(0.0, [1.0])
+    log.scan(0.1, [1.0], timestamp="2023-11-14T22:13:20Z")
+    assert len(list(open_log(log.close()))) == 1
+    assert "the text '2023-11-14T22:13:20Z', where sec and nsec are due" in caplog.text

@@ -46,6 +46,21 @@ def test_intervals_take_the_place_of_the_label_topic(small_log: str, tmp_path: P
     assert labels == [None] * 5 + ["lab"] * 10 + [None] * 5
 
 
+@pytest.mark.parametrize("cut", [";", "\t"])
+def test_tables_of_spreadsheets_with_decimal_commas(tmp_path: Path, cut: str) -> None:
+    rows = [["start", "end", "label"], ["1,5", "2,25", "one, two"]]
+    found = Intervals.from_csv(write(tmp_path, "\n".join(cut.join(row) for row in rows)))
+    assert (found.starts, found.ends) == ((1_500_000_000,), (2_250_000_000,))
+    assert found.labels == ("one, two",)
+
+
+@pytest.mark.parametrize("text", ["start,end,label\n1,2,K\xfcche\n", "\xff\xfes\0t\0"])
+def test_text_of_other_encodings_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "labels.csv").write_bytes(text.encode("latin-1"))
+    with pytest.raises(DataError, match="save them as UTF-8"):
+        Intervals.from_csv(tmp_path / "labels.csv")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -73,6 +73,16 @@ def test_odometry_and_another_pose_must_be_chosen_between(ros2: Any) -> None:
     assert observation.pose.x == 2.0
 
 
+def test_a_pose_in_the_cameras_frame_does_not_rival_odometry(ros2: Any) -> None:
+    log = ros2()
+    log.scan(0.0, [1.0])
+    log.odom(0.0, 1.0, 0.0, 0.0)
+    log.pose(0.0, 2.0, 0.0, 0.0, covariance=True, frame="camera_link")
+    (observation,) = open_log(log.close())
+    assert observation.pose is not None
+    assert observation.pose.x == 1.0
+
+
 def test_strings_are_labels_only_where_the_name_says_so(ros2: Any) -> None:
     log = ros2()
     log.string(0.0, "<robot/>", topic="/robot_description")

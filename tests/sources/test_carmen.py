@@ -171,6 +171,7 @@ BROKEN = [
     "FLASER -1 0 0 0 0 0 0 1 h 1",
     "FLASER 2 1 two 0 0 0 0 0 0 1 h 1",
     "FLASER 2 1 2 0 0 nan 0 0 0 1 h 1",
+    "FLASER 2 1 2 1e300 0 0 0 0 0 1 h 1",
     "FLASER 2 1 2 0 0 0 0 0 0 nan h 1",
     "FLASER 2 1 2 0 0 0 0 0 0 inf h 1",
     "FLASER 2 1 2 0 0 0 0 0 0 1e999999999 h 1",

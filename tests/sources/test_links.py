@@ -44,6 +44,15 @@ def test_a_linked_folder_of_a_class_is_one(tmp_path: Path) -> None:
     assert labels(tmp_path / "d") == ["kitchen", "office"]
 
 
+def test_a_linked_folder_that_is_gone_is_counted(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    put(tmp_path / "d/office/1.png")
+    (tmp_path / "d/kitchen").symlink_to(tmp_path / "elsewhere")
+    assert labels(tmp_path / "d") == ["office"]
+    assert "1 links lead nowhere and were left out (the first: kitchen)" in caplog.text
+
+
 @pytest.mark.parametrize(
     "hidden", [".ipynb_checkpoints/1.png", "office/._1.png", "__MACOSX/o/1.png"]
 )

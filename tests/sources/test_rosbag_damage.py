@@ -21,10 +21,12 @@ from rosbags.interfaces import (
 from bags import drive
 from placecue.errors import DataError, PlacecueError
 from placecue.limits import limited
+from placecue.logs import recognise
 from placecue.logs.bags.bag import BagFile
 from placecue.logs.bags.bag_cut import unpacked
 from placecue.logs.bags.bag_definitions import Definitions
 from placecue.logs.rosbag import RosbagLog
+from placecue.recognition import Found, look
 
 
 def held(path: str | Path) -> list[tuple[str, int, bytes]]:
@@ -142,9 +144,59 @@ def test_a_damaged_chunk_of_a_whole_bag(tmp_path: Path, caplog: pytest.LogCaptur
     assert len(list(RosbagLog(str(path)))) > 0
 
 
-def test_a_cut_sqlite_bag(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("folder", "odd"), [(False, 0), (True, 2500)])
+def test_a_cut_sqlite_bag_gives_what_stands_before_the_cut(
+    folder: bool, odd: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    made = drive(2, steps=60)
+    if folder:
+        bag = Path(made.as_ros2(tmp_path / "run"))
+        (path,) = bag.glob("*.db3")
+    else:
+        path = bag = Path(made.as_bare_sqlite(tmp_path / "run_0.db3"))
+    every = held(bag)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2 // 4096 * 4096 + odd])
+    found = held(bag)
+    assert len(set(found)) == len(found)
+    assert set(found) <= set(every)
+    assert len(every) / 3 < len(found) < len(every)
+    assert "is cut off or damaged" in caplog.text
+    assert f"read {len(found)} messages" in caplog.text
+
+
+@pytest.mark.parametrize("metadata", [True, False])
+def test_a_cut_mcap_in_the_folder_of_a_bag(
+    metadata: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = Path(drive(2, steps=60).as_ros2(tmp_path / "run", storage="MCAP"))
+    every = held(folder)
+    (path,) = folder.glob("*.mcap")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
+    if not metadata:  # as a recorder that was killed leaves it
+        (folder / "metadata.yaml").unlink()
+    found = held(folder)
+    assert found
+    assert set(found) < set(every)
+    assert "is cut off or damaged" in caplog.text
+    assert RosbagLog(str(folder)).file.topics()
+    assert recognise.rosbag(look(folder)) == Found.BY_CONTENT
+
+
+def test_a_hole_in_a_sqlite_bag_takes_no_more_than_lay_there(tmp_path: Path) -> None:
     path = Path(drive(2, steps=60).as_bare_sqlite(tmp_path / "run_0.db3"))
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    every, data = held(path), bytearray(path.read_bytes())
+    middle = len(data) // 2 // 4096 * 4096
+    data[middle : middle + 4096] = bytes(4096)
+    path.write_bytes(data)
+    found = held(path)
+    assert set(found) < set(every)
+    assert len(found) > 0.8 * len(every)
+    assert found[-1] == every[-1]
+
+
+def test_a_sqlite_bag_cut_before_its_first_message(tmp_path: Path) -> None:
+    path = Path(drive(2, steps=60).as_bare_sqlite(tmp_path / "run_0.db3"))
+    path.write_bytes(path.read_bytes()[:5000])
     with pytest.raises(DataError, match=r"cannot be read as a bag: .*disk image is malformed"):
         held(path)
 

@@ -153,6 +153,8 @@ def test_what_is_wrong_is_counted_and_said_once(
         "5,0.png,gone.npy,0,0,0",
         "6,0.png,1 2 3,0,north,0",
         "7,0.png,1 2 3,0,nan,0",
+        "7,0.png,1 2 3,0,1e300,0",
+        "8,0.png,1 2 3,0,0,90",
         "soon,0.png,1 2 3,0,0,0",
         ",0.png,1 2 3,0,0,0",
         "8,0.png,1 2 3",
@@ -163,14 +165,15 @@ def test_what_is_wrong_is_counted_and_said_once(
     table = write(tmp_path / "t.csv", "\n".join(["stamp,image,scan,x,y,theta", *rows]))
     with caplog.at_level(logging.WARNING):
         found = list(Table(str(table), reorder=3))
-    assert [o.stamp // 10**9 for o in found] == [1, 2, 3, 4, 4, 5, 6, 7]
+    assert [o.stamp // 10**9 for o in found] == [1, 2, 3, 4, 4, 5, 6, 7, 7, 8]
     assert len(caplog.records) == 1
     for words in (
-        "4 rows do not parse and were left out (the first: line 10: 'soon' is not a time in s)",
+        "4 rows do not parse and were left out (the first: line 12: 'soon' is not a time in s)",
         "3 images cannot be read",
         "3 scans cannot be read (the first: line 5: 2 beams where 3 are due)",
-        "2 poses do not parse",
-        "1 rows have the time of another",
+        "3 poses do not parse",
+        "1 headings are more than a whole turn: if they are degrees, angle_unit=deg",
+        "2 rows have the time of another",
         "1 rows hold no image, scan or pose",
         "1 rows are too far out of order",
     ):
@@ -258,6 +261,8 @@ def test_nothing_of_use_is_a_data_error(tmp_path: Path) -> None:
         list(Table(str(tmp_path), pattern="(?P<label>cat)"))
     with pytest.raises(UsageError, match="no file"):
         list(Table(str(tmp_path / "none.csv")))
+    with pytest.raises(UsageError, match="separated by ';', give delimiter=';'"):
+        list(Table(str(write(tmp_path / "d.csv", "stamp;x;y\n1;2;3\n"))))
     with pytest.raises(UsageError, match=r"names none of stamp.* but nothing"):
         list(Table(str(write(tmp_path / "c.csv", ""))))
 

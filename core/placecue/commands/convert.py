@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,7 @@ def run(config: dict[str, Any]) -> None:
     out = path_of(config, "out")
     name, count = convert(config, out)
     print(f"{count} observations of {name} in {out}")
-    print(f"next: placecue info {out}")
+    print(f"next: {shlex.join(('placecue', 'info', str(out)))}")
     current_plugins().tell("run_finished", command="convert", out=out)
 
 

@@ -17,7 +17,7 @@ from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
 from placecue.evaluation.map_figure import category_styles, draw_semantic_map
 from placecue.evaluation.thumbnail import thumbnail
-from placecue.labels.relabelled import Relabelled
+from placecue.labels.relabelled import Hits, Relabelled
 from placecue.logs.info import LogSummary, TopicSummary, summarise
 from placecue.logs.reader import McapLog
 from placecue.observation import PARTS
@@ -58,7 +58,12 @@ def summary_of(source: Source) -> LogSummary | SourceSummary:
     inner = innermost(source)
     if not isinstance(inner, McapLog):
         return walk(source)
-    return summarise(inner, source.label if isinstance(source, Relabelled) else None)
+    if not isinstance(source, Relabelled):
+        return summarise(inner)
+    hits = Hits(source)
+    summary = summarise(inner, hits.label)
+    hits.tell()
+    return summary
 
 
 def document(summary: LogSummary | SourceSummary) -> dict[str, Any]:

@@ -46,17 +46,10 @@ class Relabelled(Wrapped):
         UsageError
             If a label is not in the map and that is an error.
         """
-        total = inside = 0
-        frames: set[str] = set()
+        hits = Hits(self)
         for observation in self.source:
-            label = self.label(observation)
-            total += 1
-            inside += label is not None
-            if observation.pose is not None:
-                frames.add(observation.pose.frame)
-            yield observation.relabelled(label)
-        if self.rooms is not None and total and not inside:
-            self._tell(total, frames)
+            yield observation.relabelled(hits.label(observation))
+        hits.tell()
 
     def label(self, observation: Observation) -> str | None:
         """Return the new label of an observation, or None."""
@@ -73,7 +66,8 @@ class Relabelled(Wrapped):
         names = self.label_map and (sorted(self.label_map.names.items()), self.label_map.unmapped)
         return hashlib.sha256(f"{self.source.digest()} {rooms} {names}".encode()).hexdigest()
 
-    def _tell(self, total: int, frames: set[str]) -> None:
+    def tell_outside(self, total: int, frames: set[str]) -> None:
+        """Warn that no observation lies in a room; once."""
         if not self._told:
             self._told = True
             where = f"given in {' and '.join(sorted(frames))}" if frames else "missing"
@@ -81,6 +75,35 @@ class Relabelled(Wrapped):
                 f"{self.name}: not one of {total} observations lies in a room; the poses are "
                 f"{where}: are the rooms drawn in the same frame, in metres?"
             )
+
+
+class Hits:
+    """Which observations of one pass over a source lie in a room.
+
+    Parameters
+    ----------
+    source : Relabelled
+        The source.
+    """
+
+    def __init__(self, source: Relabelled) -> None:
+        self._source = source
+        self._total = self._inside = 0
+        self._frames: set[str] = set()
+
+    def label(self, observation: Observation) -> str | None:
+        """Return the new label of an observation, or None, and count it."""
+        label = self._source.label(observation)
+        self._total += 1
+        self._inside += label is not None
+        if observation.pose is not None:
+            self._frames.add(observation.pose.frame)
+        return label
+
+    def tell(self) -> None:
+        """Warn where the pass is over and no observation lay in a room."""
+        if self._source.rooms is not None and self._total and not self._inside:
+            self._source.tell_outside(self._total, self._frames)
 
 
 def relabelled(source: Source, config: Mapping[str, Any]) -> Source:

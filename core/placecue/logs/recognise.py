@@ -16,7 +16,14 @@ def mcap(found: Found) -> int:
 
 
 def rosbag(found: Found) -> int:
-    """Tell whether this is a ROS bag: a .bag file, or a sqlite3 file or the folder of one."""
-    if found.head.startswith(BAGS) or any(name.endswith(".db3") for name in found.names):
+    """Tell whether this is a ROS bag: a .bag file, or a storage file or the folder of one.
+
+    A recorder that was killed leaves a folder without metadata.
+    """
+    stored = any(
+        name.endswith(".db3") or (name.endswith(".mcap") and "/" not in name)
+        for name in found.names
+    )
+    if found.head.startswith(BAGS) or stored:
         return Found.BY_CONTENT
     return Found.BY_SHAPE if found.suffix in (".bag", ".db3") else Found.NOT_AT_ALL

@@ -113,17 +113,38 @@ class Archive(ABC):
 class Folder(Archive):
     """A folder and all folders in it; links to folders are followed, once each.
 
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    faults : Faults
+        Takes links that lead nowhere.
+
     Raises
     ------
     DataError
         If it holds more files than ``limits.members``.
     """
 
+    def __init__(self, path: Path, faults: Faults) -> None:
+        super().__init__(path)
+        self._faults = faults
+        self._names: list[str] | None = None
+
     def names(self) -> list[str]:
         """Return the names of all files, sorted."""
+        if self._names is None:
+            self._names = self._found()
+        return list(self._names)
+
+    def _found(self) -> list[str]:
         found: list[str] = []
         for folder, inner, files in os.walk(self.path, followlinks=True):
             inner[:] = [name for name in inner if not _leads_back(Path(folder) / name)]
+            for lost in [name for name in files if _leads_nowhere(Path(folder) / name)]:
+                files.remove(lost)
+                where = (Path(folder) / lost).relative_to(self.path).as_posix()
+                self._faults.add("links lead nowhere and were left out", where)
             found += ((Path(folder) / file).relative_to(self.path).as_posix() for file in files)
             check_members(self.path, len(found))
         return sorted(found)
@@ -135,6 +156,11 @@ class Folder(Archive):
     def open(self, name: str) -> BufferedReader:
         """Open a file."""
         return (self.path / name).open("rb")
+
+
+def _leads_nowhere(path: Path) -> bool:
+    """Tell whether a name without an ending, as folders have it, is a link to nothing."""
+    return not path.suffix and path.is_symlink() and not path.exists()
 
 
 def _leads_back(folder: Path) -> bool:
@@ -296,7 +322,7 @@ def open_archive(path: str, faults: Faults) -> Archive:
     """
     found = Path(path).expanduser()
     if found.is_dir():
-        return Folder(found)
+        return Folder(found, faults)
     if not found.exists():
         raise UsageError(f"there is no folder and no tar {path}; check the path")
     return Tar(found, faults)

@@ -23,7 +23,9 @@ Fields = Sequence[bytes]
 SICK_FIELD_OF_VIEW = 180.0
 SICK_MAX_RANGE = 80.0
 
-# What fits into 64 bits of nanoseconds, s.
+#: No robot is farther from any origin than once around the Earth, m.
+FARTHEST = 4.1e7
+#: What fits into 64 bits of nanoseconds, s.
 LONGEST_TIME = 9_000_000_000
 
 
@@ -163,6 +165,8 @@ def _numbers(fields: Fields, count: int) -> list[float]:
     numbers = [float(field) for field in fields]
     if not np.isfinite(numbers).all():
         raise MalformedRecord("a pose or setting is not finite")
+    if numbers and max(map(abs, numbers)) > FARTHEST:
+        raise MalformedRecord(f"a pose or setting of {max(map(abs, numbers)):g}")
     return numbers
 
 

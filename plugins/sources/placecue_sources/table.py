@@ -23,6 +23,8 @@ from placecue_sources.table_rows import Clock, CsvRows, NameRows, Places, Row, R
 from placecue_sources.tags import stem
 
 ANGLES = {"rad": 1.0, "deg": math.pi / 180}
+#: No robot is farther from any origin than once around the Earth, m.
+FARTHEST = 4.1e7
 
 
 class Table(Source):
@@ -258,10 +260,16 @@ class _Cells:
             x, y, theta = (float(cell or "") for cell in (*said, row.cells.get("theta", "0")))
             if not math.isfinite(x + y + theta):
                 raise ValueError(f"{x}, {y}, {theta} is not finite")
+            if math.hypot(x, y) > FARTHEST:
+                raise ValueError(f"{x:g}, {y:g} is {math.hypot(x, y):g} m away")
         except ValueError as error:
             self.faults.add("poses do not parse and were left out", f"{row.where}: {error}")
             return None
-        return Pose2D(x, y, theta * ANGLES[self.table.angle_unit], self.table.frame)
+        heading = theta * ANGLES[self.table.angle_unit]
+        if abs(heading) > 2 * math.pi:
+            kind = "headings are more than a whole turn: if they are degrees, angle_unit=deg"
+            self.faults.add(kind, f"{row.where}: {heading:g} rad")
+        return Pose2D(x, y, heading, self.table.frame)
 
 
 def _repeats_counted(rows: InOrder[Row], faults: Faults) -> Iterator[Row]:

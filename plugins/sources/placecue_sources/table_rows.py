@@ -172,6 +172,7 @@ class CsvRows(Rows):
         reader = csv.reader(text, delimiter=self.delimiter, skipinitialspace=True)
         header = [name.strip("\ufeff \t") for name in self._next(reader) or []]
         origin = f"the first line of {self.path}"
+        _check_cut(header, origin)
         places = self.places.of_keys(header, origin)
         conditions = self.places.of_conditions(header, origin)
         while (cells := self._next(reader)) is not None:
@@ -280,6 +281,16 @@ class NameRows(Rows):
             return self.archive.read(posixpath.normpath(name))
         except UnusableObservation as error:
             raise DataError(str(error)) from error
+
+
+def _check_cut(header: Sequence[str], origin: str) -> None:
+    """Refuse a header in one piece that something else than the delimiter would cut."""
+    other = next((each for each in ";\t|" if len(header) == 1 and each in header[0]), None)
+    if other is not None:
+        raise UsageError(
+            f"{origin} is one cell, '{header[0][:LISTED]}'; if its columns are separated by "
+            f"{other!r}, give delimiter={other!r}"
+        )
 
 
 def _is_data(name: str) -> bool:

@@ -35,6 +35,8 @@ class FoxgloveAdapter(Adapter):
 
 def nanoseconds(time: Any) -> int:
     """Return a Foxglove time in ns."""
+    if isinstance(time, str):
+        raise TypeError(f"the time is the text {shown(time)}, where sec and nsec are due")
     return int(time["sec"]) * 1_000_000_000 + int(time["nsec"])
 
 

@@ -17,13 +17,14 @@ from placecue.logs.bags.bag_chunks import ChunkReader
 from placecue.logs.bags.bag_cut import CutBag
 from placecue.logs.bags.bag_definitions import Definitions
 from placecue.logs.bags.bag_storage import STORAGES, files_of, missing_bytes, storage_of
+from placecue.logs.bags.cut_storage import CutStorage
 from placecue.logs.mcap.container import LogFile, check_channels, told_lost
 from placecue.logs.mcap.contents import Contents
 from placecue.logs.mcap.linear import Damage, describe
 
 log = logging.getLogger(__name__)
 
-Reader = ChunkReader | rosbag2.Reader | CutBag
+Reader = ChunkReader | rosbag2.Reader | CutBag | CutStorage
 
 
 class BagFile(LogFile):
@@ -52,13 +53,19 @@ class BagFile(LogFile):
         self._definitions = Definitions(distribution)
         self._storage = storage_of(self.path)
         self.size = sum(file.stat().st_size for file in files_of(self._storage))
-        self._cut: CutBag | None = None  # reads in place of rosbags where the index is lost
+        # What reads in place of rosbags where the index is lost, or a storage file that is MCAP.
+        self._cut: CutBag | CutStorage | None = None
+        self._mcap: LogFile | None = None
         self._told = False
         try:
             self.contents = self._contents()
         except Exception as error:  # parsers fed with damaged bytes may raise anything
-            self._cut = self._salvaged(error)
-            self.contents = self._contents()
+            self._mcap = self._only_mcap()
+            if self._mcap is None:
+                self._cut = self._salvaged(error)
+                self.contents = self._contents()
+            else:
+                self.contents = self._mcap.contents
         check_channels(self.path, len(self.contents.channels))
         self._tell_cut_storage()
 
@@ -77,6 +84,9 @@ class BagFile(LogFile):
         since, until : int, optional
             First log time to give, and the one to stop before, ns.
         """
+        if self._mcap is not None:
+            yield from self._mcap.messages(channels, since, until)
+            return
         last = self.contents.start
         try:
             with self._open() as reader:
@@ -102,8 +112,11 @@ class BagFile(LogFile):
     def _open(self) -> Reader:
         if self._cut is not None:
             return self._cut
-        ros2 = self._storage.is_dir() or self._storage.suffix in STORAGES
-        return rosbag2.Reader(self._storage) if ros2 else ChunkReader(self._storage)
+        return rosbag2.Reader(self._storage) if self._is_ros2 else ChunkReader(self._storage)
+
+    @property
+    def _is_ros2(self) -> bool:
+        return self._storage.is_dir() or self._storage.suffix in STORAGES
 
     def _contents(self) -> Contents:
         with self._open() as reader:
@@ -114,25 +127,32 @@ class BagFile(LogFile):
                 counts=Counter({each.id: each.msgcount for each in connections}),
                 start=reader.start_time if some else 0,
                 end=reader.end_time - 1 if some else 0,
-                metadata={
-                    "placecue": {"format": f"ROS {1 + isinstance(reader, rosbag2.Reader)} bag"}
-                },
+                metadata={"placecue": {"format": f"ROS {1 + self._is_ros2} bag"}},
             )
 
     def _schema(self, connection: Connection) -> Schema:
         name, language, text = self._definitions.of(connection)
         return Schema(id=connection.id, data=text.encode(), encoding=language, name=name)
 
-    def _salvaged(self, error: Exception) -> CutBag:
-        """Return what is readable of a ROS 1 bag that its index does not lead to."""
-        cut = None if isinstance(self._open(), rosbag2.Reader) else CutBag(self._storage)
-        if cut is None or not cut.message_count:
+    def _only_mcap(self) -> LogFile | None:
+        """Return the only storage file where it is MCAP: it is read whatever it lacks."""
+        stored = [each for each in files_of(self._storage) if each.suffix in STORAGES]
+        return LogFile(stored[0]) if len(stored) == 1 and stored[0].suffix == ".mcap" else None
+
+    def _salvaged(self, error: Exception) -> CutBag | CutStorage:
+        """Return what is readable of a bag that its index does not lead to."""
+        files = [each for each in files_of(self._storage) if each.suffix == ".db3"]
+        cut = CutStorage(files) if self._is_ros2 else CutBag(self._storage)
+        if not cut.message_count:
             raise DataError(f"{self.path} cannot be read as a bag: {describe(error)}") from error
         seconds = (cut.end_time - cut.start_time) * 1e-9
-        place = f", up to byte {cut.damage.offset} of {self.size}" if cut.damage else ""
+        more = ""
+        if isinstance(cut, CutBag):
+            place = f", up to byte {cut.damage.offset} of {self.size}" if cut.damage else ""
+            more = f"{place}; 'rosbag reindex' makes a whole bag of it"
         log.warning(
             f"{self.path} is cut off or damaged ({describe(error)}): read {cut.message_count} "
-            f"messages over {seconds:.1f} s{place}; 'rosbag reindex' makes a whole bag of it"
+            f"messages over {seconds:.1f} s{more}"
         )
         return cut
 

@@ -79,6 +79,7 @@ class Feed:
             silence=silence,
             usable=self._assembler.usable,
             motion=self._moving,
+            labelled="label" in roles,
         )
 
     def push(self, message: Message) -> Iterator[Match]:

@@ -23,6 +23,8 @@ SUGGESTED = "suggested"
 NANOSECONDS_FROM = 10**14
 #: Times have at most so many digits before the point; to write out more can take forever.
 DIGITS = 25
+#: The first line is no longer, letters.
+LONGEST = 10_000
 #: Letters of a cell that are shown.
 SHOWN = 60
 #: Clocks that are so far apart, ns, are not the same.
@@ -96,8 +98,10 @@ class Intervals:
     def from_csv(cls, path: str | Path) -> Intervals:
         """Read a file with the columns ``start``, ``end`` and ``label``, named in its first line.
 
-        Times are seconds (``1700000000.25``), nanoseconds (whole numbers of 10^14 and more) or
-        ISO 8601 (UTC where no zone is given), on the clock of the log's stamps.
+        Cells are separated by commas, or by semicolons or tabs as spreadsheets of many languages
+        write them, with decimal commas. Times are seconds (``1700000000.25``), nanoseconds (whole
+        numbers of 10^14 and more) or ISO 8601 (UTC where no zone is given), on the clock of the
+        log's stamps.
 
         Raises
         ------
@@ -107,7 +111,9 @@ class Intervals:
         """
         try:
             with Path(path).open(newline="", encoding="utf-8-sig") as file:
-                rows = csv.DictReader(file, skipinitialspace=True)
+                cut = _delimiter(file.readline(LONGEST))
+                file.seek(0)
+                rows = csv.DictReader(file, skipinitialspace=True, delimiter=cut)
                 names = [name.strip() for name in rows.fieldnames or []]
                 rows.fieldnames = names
                 missing = [column for column in COLUMNS if column not in names]
@@ -120,9 +126,14 @@ class Intervals:
                 for row in rows:
                     if over := current_limits().over("rows", rows.line_num):
                         raise DataError(f"{path} has {rows.line_num} rows, {over}")
+                    if cut != ",":
+                        times = {each: (row[each] or "").replace(",", ".") for each in COLUMNS[:2]}
+                        row |= times
                     if not _left_open(row):
                         found.append(_interval(row, f"{path}, line {rows.line_num}"))
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
+        except UnicodeDecodeError as error:
+            raise DataError(f"the labels {path} are no UTF-8 text: save them as UTF-8") from error
+        except (OSError, csv.Error) as error:
             raise DataError(f"cannot read the labels {path}: {error}") from error
         return cls._checked(sorted(found), path)
 
@@ -135,6 +146,10 @@ class Intervals:
                 raise DataError(f"{line}: the interval overlaps the one before it in time")
         starts, ends, labels, _ = zip(*found, strict=True)
         return cls(starts, ends, labels, str(path))
+
+
+def _delimiter(header: str) -> str:
+    return next((each for each in ",;\t" if each in header), ",")
 
 
 class Seen:

@@ -71,7 +71,8 @@ def choose_pose(
 
     Odometry is taken, else transforms, else a topic of poses by itself only where it is about as
     frequent as the scans or images, in a frame that a robot may move in, and by its name not the
-    pose of something else. A localiser's poses, which have a covariance, rival odometry.
+    pose of something else. A localiser's poses, which have a covariance and a frame that may be
+    fixed, rival odometry.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def choose_pose(
     odometry = _nearest(moved, driver)
     if odometry:
         rivals = [each for each in fit if "Covariance" in each.schema and each not in odometry]
-        found = [*odometry, *rivals]
+        found = [*odometry, *filter(fixed, rivals)]
         reason = "odometry" if len(able) > 1 else "the only pose topic"
         return _one(found, reason, [*able, *_moving(topics)], where)
     transforms = moving()

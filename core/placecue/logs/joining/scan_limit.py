@@ -50,7 +50,7 @@ class OneLimit:
         if self.where not in self._told:
             self._told.add(self.where)
             log.warning(
-                f"{self.where}: the first scan states a range_max of {self.range_max:g} m, others "
+                f"{self.where}: the first scan counts up to {self.range_max:g} m, others up to "
                 f"{placed.range_max:g} m and the like; beams that measured nothing count as "
                 f"{self.range_max:g} m in all"
             )

@@ -124,6 +124,9 @@ class Synchroniser:
         Tells whether a pose can be used; others are dropped, so that its neighbours are joined.
     motion : Motion, optional
         Transforms to wait for, too.
+    labelled : bool
+        Whether labels come: one that was recorded at the very time of a driver holds for it, also
+        where it stands behind it.
 
     Attributes
     ----------
@@ -150,9 +153,11 @@ class Synchroniser:
         silence: Silence | None = None,
         usable: Callable[[Item], bool] = lambda item: True,
         motion: Motion | None = None,
+        labelled: bool = False,
     ) -> None:
         self.usable = usable
         self.motion = motion
+        self.labelled = labelled
         self.driver = driver
         self.followers = tuple(followers)
         self.tolerance = tolerance
@@ -195,7 +200,7 @@ class Synchroniser:
             self._tracks[item.role].add(item)
             if item.role == "scan" and self._silence is not None:
                 self._stand_in(item, self._silence)
-        while self._waiting and self._ready(self._waiting[0][0], item.stamp):
+        while self._waiting and self._ready(self._waiting[0][0], item):
             yield from self._pop()
         self._forget(item.stamp)
 
@@ -265,8 +270,10 @@ class Synchroniser:
                 self.motion.buffer.forget_after(since + self.window)
         self._last = None
 
-    def _ready(self, stamp: int, now: int) -> bool:
-        if not self._waits or now - stamp >= self.window:
+    def _ready(self, stamp: int, newest: Item) -> bool:
+        if self.labelled and newest.log_time == self._waiting[0][2].log_time:
+            return False
+        if not self._waits or newest.stamp - stamp >= self.window:
             return True
         if self.motion is not None and not self.motion.reaches(stamp):
             return False

@@ -53,6 +53,13 @@ class Pose2D:
             frame=self.frame,
         )
 
+    def seen(self, other: Pose2D, frame: str = "base_link") -> Pose2D:
+        """Return ``other``, given in the frame of this pose, in this pose's own frame."""
+        c, s = np.cos(self.theta), np.sin(self.theta)
+        dx, dy = other.x - self.x, other.y - self.y
+        theta = other.theta - self.theta
+        return Pose2D(float(c * dx + s * dy), float(c * dy - s * dx), theta, frame)
+
 
 @dataclass(frozen=True, slots=True)
 class LaserScan:

@@ -357,6 +357,24 @@ def test_transforms_of_foxglove(as_json: Any, several: bool) -> None:
     assert xs(log.close()) == pytest.approx([0.3 * i for i in range(10)])
 
 
+def test_a_scan_that_says_where_in_the_map_it_was_taken(as_json: Any) -> None:
+    log = as_json()
+    for i in range(5):  # northwards; the laser is a quarter of a metre ahead
+        robot = {
+            "position": {"x": 3.0, "y": 0.5 * i, "z": 0.0},
+            "orientation": heading(math.pi / 2),
+        }
+        laser = {**robot, "position": {**at, "y": 0.5 * i + 0.25}}
+        message = {"timestamp": log.time(0.1 * i), "frame_id": "map", "pose": robot}
+        log.put("/pose", "foxglove.PoseInFrame", message, 0.1 * i)
+        log.scan(0.1 * i, [1.0, 1.0], frame_id="map", pose=laser)
+    for each in open_log(log.close()):
+        assert each.scan is not None
+        mount = each.scan.mount
+        assert (mount.x, mount.y, mount.theta) == pytest.approx((0.25, 0.0, 0.0))
+        assert mount.frame == "base_link"
+
+
 @pytest.mark.parametrize(("ros", "name"), [(1, "run.bag"), (2, "run")])
 def test_transforms_in_bags(tmp_path: Any, ros: int, name: str) -> None:
     made = Recording(ros)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 from typing import Any
 
 from placecue.errors import UnusableObservation
@@ -56,11 +57,14 @@ class Assembler:
         if driver is None:
             return None
         images = match.driver.role == "image"
+        scan, pose = self._scan(match) if images else driver, self._pose(match)
+        if scan is not None and pose is not None and scan.mount.frame == pose.frame:
+            scan = replace(scan, mount=pose.seen(scan.mount))
         return Observation(
             match.driver.stamp,
             image=driver if images else None,
-            scan=self._scan(match) if images else driver,
-            pose=self._pose(match),
+            scan=scan,
+            pose=pose,
             label=self.label(match),
         )
 

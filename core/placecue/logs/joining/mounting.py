@@ -34,11 +34,14 @@ class Mounting:
         Whether the scanner hangs upside down, so that its angles run clockwise.
     range_max : float
         Limit of scans whose messages do not say theirs, m.
+    known : bool
+        Whether transforms say so. If not, a scan whose message says where it lies is left there.
     """
 
     pose: Pose2D
     flipped: bool = False
     range_max: float = np.inf
+    known: bool = True
 
     def place(self, scan: LaserScan) -> LaserScan:
         """Return a scan, given in its own frame, as it sits on the robot."""
@@ -46,7 +49,7 @@ class Mounting:
         limit = self.range_max if isnan(scan.range_max) else scan.range_max
         if not self.flipped:
             here = inner.x == inner.y == inner.theta == 0.0
-            mount = self.pose if here else self.pose.compose(inner)
+            mount = self.pose if here else self.pose.compose(inner) if self.known else inner
             return LaserScan(scan.angles, scan.ranges, scan.range_min, limit, mount)
         mirrored = Pose2D(inner.x, -inner.y, -inner.theta)
         return replace(
@@ -121,7 +124,8 @@ class Mountings:
 
     def _of(self, matrix: Matrix | None, laser: str) -> Mounting:
         if matrix is None:
-            return Mounting(Pose2D(0.0, 0.0, 0.0, self.base), range_max=self.range_max)
+            centre = Pose2D(0.0, 0.0, 0.0, self.base)
+            return Mounting(centre, range_max=self.range_max, known=False)
         if abs(matrix[2, 2]) < cos(LEVEL):
             tilt = np.degrees(np.arccos(min(abs(matrix[2, 2]), 1.0)))
             self.faults.add(

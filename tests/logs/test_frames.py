@@ -360,10 +360,8 @@ def test_transforms_of_foxglove(as_json: Any, several: bool) -> None:
 def test_a_scan_that_says_where_in_the_map_it_was_taken(as_json: Any) -> None:
     log = as_json()
     for i in range(5):  # northwards; the laser is a quarter of a metre ahead
-        robot = {
-            "position": {"x": 3.0, "y": 0.5 * i, "z": 0.0},
-            "orientation": heading(math.pi / 2),
-        }
+        at = {"x": 3.0, "y": 0.5 * i, "z": 0.0}
+        robot = {"position": at, "orientation": heading(math.pi / 2)}
         laser = {**robot, "position": {**at, "y": 0.5 * i + 0.25}}
         message = {"timestamp": log.time(0.1 * i), "frame_id": "map", "pose": robot}
         log.put("/pose", "foxglove.PoseInFrame", message, 0.1 * i)

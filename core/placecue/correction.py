@@ -25,11 +25,14 @@ class Correction:
     before, after : ndarray of float64, shape (n, 3)
         x, y (m) and heading (rad) of the robot at these moments, as they were told last and as
         they are now.
+    frame : str
+        The frame of the poses; what is in another one stays where it is.
     """
 
     stamps: NDArray[np.int64]
     before: NDArray[np.float64]
     after: NDArray[np.float64]
+    frame: str = "map"
 
     def moved(self, stamp: int, pose: Pose2D) -> Pose2D:
         """Return where something is now that was seen at a time.
@@ -44,6 +47,8 @@ class Correction:
         pose : Pose2D
             Where it was put, by the pose as it was told.
         """
+        if pose.frame != self.frame:
+            return pose
         at = int(np.searchsorted(self.stamps, stamp, side="right")) - 1
         old, new = self.before[max(at, 0)].tolist(), self.after[max(at, 0)].tolist()
         turn = (new[2] - old[2] + pi) % (2 * pi) - pi

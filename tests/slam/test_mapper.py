@@ -92,7 +92,8 @@ def test_a_loop_is_closed_and_moves_what_was_told_before():
     final = mapper.trajectory.poses(mapper.poses)[at]
     assert off(final, ROUND).max() < 0.15
     # What was told with each correction leads from the poses as they were told to those of now.
-    kept = [(each.stamp, Pose2D(*pose)) for each, pose in zip(observations, poses, strict=True)]
+    placed = [Pose2D(*pose, "map") for pose in poses.tolist()]
+    kept = [(each.stamp, pose) for each, pose in zip(observations, placed, strict=True)]
     told = [pose for _, pose in kept]
     for correction in news:
         for number, (stamp, _) in enumerate(kept):

@@ -96,10 +96,36 @@ class Mapper:
         """Poses of the keyframes as they are known now, shape (n, 3)."""
         return np.empty((0, 3)) if self._graph is None else self._graph.poses
 
+    def observations(self) -> Iterator[Observation]:
+        """Yield stamp, scan and pose of each keyframe, as poses are known now."""
+        for keyframe, pose in zip(self.keyframes, self.poses, strict=True):
+            placed = pose_of(pose, self.frame)
+            yield Observation(keyframe.stamp, scan=keyframe.scan, pose=placed)
+
     def uncertainty(self, number: int) -> Array:
         """Return the covariance of a keyframe's pose in its own axes, shape (3, 3)."""
         assert self._graph is not None
         return self._graph.uncertainty(number)
+
+    def sure_of(self, x: float, y: float) -> tuple[float, float, float]:
+        """Return how sure the pose is that was told nearest to a position.
+
+        Parameters
+        ----------
+        x, y : float
+            m, in the frame of the poses; there must be a keyframe.
+
+        Returns
+        -------
+        tuple of float
+            Standard deviations of x, y (m) and heading (rad), in the axes of that frame.
+        """
+        number = int(np.hypot(*(self.poses[:, :2] - [x, y]).T).argmin())
+        turn = np.eye(3)
+        c, s = np.cos(self.poses[number, 2]), np.sin(self.poses[number, 2])
+        turn[:2, :2] = [[c, -s], [s, c]]
+        a, b, heading = np.sqrt(np.diag(turn @ self.uncertainty(number) @ turn.T)).tolist()
+        return a, b, heading
 
     def follow(self, observation: Observation) -> tuple[Pose2D, Correction | None]:
         """Take in the next observation.
@@ -295,7 +321,7 @@ class Mapper:
             return None
         stamps = np.array([keyframe.stamp for keyframe in self.keyframes], dtype=np.int64)
         before, self._told = self._told, self.poses.copy()
-        return Correction(stamps, before, self._told)
+        return Correction(stamps, before, self._told, self.frame)
 
 
 def alike(one: LaserScan | None, other: LaserScan) -> bool:

@@ -78,6 +78,7 @@ def label(
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     surroundings, sample, space = Surroundings(), MistakeSample(), FreeSpace()
     straightening, sharpness = Straightening(log), Sharpness()
+    accumulator = straightening.following(accumulator)
     reported = reporting.is_wanted(config)
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():

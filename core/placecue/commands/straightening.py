@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from placecue.accumulator import AreaUpdate
+from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.atomic import write_text
 from placecue.belief import Belief
 from placecue.commands import files
@@ -16,6 +16,7 @@ from placecue.free_space import FreeSpace
 from placecue.observation import Observation
 from placecue.semantic_map import SemanticMap
 from placecue.sharpness import SMEARED, Sharpness
+from placecue.slam.retold import Retold
 from placecue.slam.straightened import straightened_in
 from placecue.slam.trajectory import tum
 from placecue.source import Source
@@ -55,6 +56,10 @@ class Straightening:
             for each in source.mapper.observations():
                 at = bisect_right(stamps, each.stamp) - 1
                 yield each.relabelled(labels[at] if at >= 0 else None)
+
+    def following(self, accumulator: Accumulator) -> Accumulator:
+        """Return an accumulator whose map follows late corrections, where there can be any."""
+        return Retold(accumulator) if self.sources else accumulator
 
     def drawn(self, around: Surroundings, space: FreeSpace) -> tuple[Surroundings, FreeSpace]:
         """Return what the laser hit and free space by the poses of now, else what there is."""

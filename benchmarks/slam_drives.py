@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from placecue.slam.account import Account
 from placecue.slam.mapper import Mapper
 from placecue.slam.planar import array_of, between, compose
 from placecue.source import Source
+from placecue_office.drive import odometry
 from placecue_office.simulator import Office
 from placecue_sources.carmen import CarmenLog
 
@@ -82,11 +83,20 @@ def drives(drive: Drive) -> Found:
     return Found(np.array(told), final, mapper.account, seconds)
 
 
-def office_drive(floor: str, seed: int, drift: float, **options: object) -> Drive:
-    """Return a drive through a simulated floor."""
-    observations = list(Office(world=floor, seed=seed, drift=drift, **options))
-    true = Office(world=floor, seed=seed, pose="truth", **options)
-    return Drive(observations, np.array([array_of(each.pose) for each in true]))
+@lru_cache(maxsize=1)
+def true_drive(floor: str, seed: int) -> tuple[list[Observation], Poses]:
+    """Return what is seen on a drive through a simulated floor, and the true poses."""
+    seen = list(Office(world=floor, seed=seed, pose="truth"))
+    return seen, np.array([array_of(each.pose) for each in seen])
+
+
+def office_drive(floor: str, seed: int, drift: float) -> Drive:
+    """Return a drive through a simulated floor by wheels that err by so much of way and turns."""
+    seen, true = true_drive(floor, seed)
+    told = odometry(true, drift, np.random.default_rng((seed, round(1000 * drift))))
+    raw = [Pose2D(*pose) for pose in told.tolist()]
+    pairs = zip(seen, raw, strict=True)
+    return Drive([Observation(each.stamp, scan=each.scan, pose=pose) for each, pose in pairs], true)
 
 
 def carmen_drive(name: str) -> Drive:

@@ -53,13 +53,19 @@ class Sharpness:
     """Measures a map as it grows; a listener.
 
     Of each scan's end points, those are *seen again* that lie within :data:`AGAIN` of a cell in
-    which something was seen first, :data:`BEFORE` of way earlier. The measure is the share of them
+    which something was seen first, ``before`` of way earlier. The measure is the share of them
     that lie within :data:`SAME` of such a cell. Walls of right poses have nearly all; a wall drawn
     twice, 0.2 m or more apart, has none. People, chairs and what was hidden cost a little
     everywhere. Memory grows with the space seen, 4 bytes a cell.
+
+    Parameters
+    ----------
+    before : float
+        What was seen so much way before, m, counts as seen before.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, before: float = BEFORE) -> None:
+        self.before = before
         self._first: dict[tuple[int, int], NDArray[np.float32]] = {}  # way when first seen, m
         self._last: Pose2D | None = None
         self._frame = ""
@@ -104,7 +110,7 @@ class Sharpness:
                 if (i, j) in self._first:
                     at = (i - low[0]) * TILE, (j - low[1]) * TILE
                     first[at[0] : at[0] + TILE, at[1] : at[1] + TILE] = self._first[i, j]
-        fresh = (first > self._way - BEFORE).astype(np.uint8)
+        fresh = (first > self._way - self.before).astype(np.uint8)
         if not fresh.all():
             away = cv2.distanceTransform(fresh, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * CELL
             found = away[tuple((cells - low * TILE).T)]

@@ -3,7 +3,8 @@
     python benchmarks/slam.py FOLDER [PART ...] [--seeds 0:10]
 
 Parts: office (ten drives of two simulated floors at three drifts), carmen (Freiburg 079, 101 and
-Intel, found in PLACECUE_DATA), bags (three robots' logs, found there too), speed (an hour's drive).
+Intel, found in PLACECUE_DATA), bags (three robots' logs, found there too), explore (areas labelled while a
+robot explores), speed (an hour's drive).
 The result of each run is kept as FOLDER/results/NAME.json as it comes, with its trajectories (TUM)
 and pictures beside it, and what is there is not run again. What is printed are the tables of
 docs/slam.md; errors are evo's absolute pose errors after its alignment by rotation and shift.
@@ -15,12 +16,14 @@ import argparse
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import slam_page
 from slam_drives import Drive, carmen_drive, drives, office_drive
 from slam_drives import bag_drive as bag
+from slam_explore import explored, trained
 from slam_speed import hour
 
 from placecue.sharpness import Sharpness
@@ -37,7 +40,7 @@ Result = dict[str, Any]
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("folder", type=Path)
-    options.add_argument("parts", nargs="*", default=["carmen", "bags", "office", "speed"])
+    options.add_argument("parts", nargs="*", default=list(RUNS))
     options.add_argument("--seeds", default="0:10")
     given = options.parse_args()
     seeds = range(*map(int, given.seeds.split(":")))
@@ -85,7 +88,14 @@ def speed(seeds: range) -> Iterator[tuple[str, Callable[[Path], Result]]]:
     yield "speed-hour", lambda out: hour()
 
 
-RUNS = {"office": office, "carmen": carmen, "bags": bags, "speed": speed}
+def explore(seeds: range) -> Iterator[tuple[str, Callable[[Path], Result]]]:
+    """Yield explorations that are labelled while they go on."""
+    model = cache(trained)
+    for seed in seeds:
+        yield f"explore-{seed}", lambda out, s=seed: explored(model(), s)
+
+
+RUNS = {"office": office, "carmen": carmen, "bags": bags, "explore": explore, "speed": speed}
 
 
 def _errors(drive: Drive, out: Path | None) -> Result:

@@ -124,7 +124,10 @@ def tables(folder: Path) -> str:
     for path in sorted(folder.glob("*.json")):
         result = json.loads(path.read_text())
         parts[result["part"]].append(result)
-    made = {"office": _office, "carmen": _carmen, "bags": _bags, "speed": _speed}
+    made = {
+        **{"office": _office, "carmen": _carmen, "bags": _bags},
+        **{"explore": _explore, "speed": _speed},
+    }
     return "\n\n".join(make(parts[part]) for part, make in made.items() if parts[part])
 
 
@@ -188,6 +191,20 @@ def _bags(results: list[dict[str, Any]]) -> str:
             f"| {each['name'].removeprefix('bag-')} | {each['scans']} | {each['way']:.0f} "
             f"| {slam['again']} | {raw['share']:.3f} | {slam['share']:.3f} "
             f"| {raw['cells']} | {slam['cells']} |"
+        )
+    return "\n".join(lines)
+
+
+def _explore(results: list[dict[str, Any]]) -> str:
+    lines = [
+        "| run | areas by true poses | labelled alike by odometry (areas) | corrected (areas) |",
+        "|---|---|---|---|",
+    ]
+    for each in results:
+        raw, slam = each["odometry"], each["slam"]
+        lines.append(
+            f"| {each['seed']} | {each['areas']} | {raw['alike']} ({raw['areas']}) "
+            f"| {slam['alike']} ({slam['areas']}) |"
         )
     return "\n".join(lines)
 

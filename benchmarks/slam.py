@@ -3,8 +3,8 @@
     python benchmarks/slam.py FOLDER [PART ...] [--seeds 0:10]
 
 Parts: office (ten drives of two simulated floors at three drifts), carmen (Freiburg 079, 101 and
-Intel, found in PLACECUE_DATA), bags (three robots' logs, found there too), explore (areas labelled while a
-robot explores), speed (an hour's drive).
+Intel, found in PLACECUE_DATA), bags (three robots' logs, found there too), explore (areas labelled
+while a robot explores), speed (an hour's drive).
 The result of each run is kept as FOLDER/results/NAME.json as it comes, with its trajectories (TUM)
 and pictures beside it, and what is there is not run again. What is printed are the tables of
 docs/slam.md; errors are evo's absolute pose errors after its alignment by rotation and shift.

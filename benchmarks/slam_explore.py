@@ -1,4 +1,4 @@
-"""Section 7's experiment: a robot explores a floor and labels its areas, by poses of three kinds."""
+"""Section 7's experiment: a robot explores a floor and labels areas, by poses of three kinds."""
 
 from __future__ import annotations
 

@@ -19,6 +19,7 @@ from slam_rooms import (
 pytest.importorskip("small_gicp")
 pytest.importorskip("gtsam")
 
+from placecue.slam.loops import BEST, Loop, LoopFinder
 from placecue.slam.mapper import Mapper
 
 #: Around in a square room.
@@ -98,6 +99,31 @@ def test_a_loop_is_closed_and_moves_what_was_told_before():
         known = stamps < correction.stamps[-1]
         told[known] = correction.moved(stamps[known], told[known])
     assert np.hypot(*(told - final)[:, :2].T).max() < 0.05
+
+
+def test_a_loop_that_is_wrong_on_purpose_is_refused(monkeypatch):
+    """The robot is said to be back at its start, turned round, on every third keyframe."""
+
+    def lies(self, keyframes, poses):
+        later = len(keyframes) - 1
+        wrong = np.array([1.0, -1.0, np.pi])
+        return [Loop(0, later, wrong, np.diag(BEST**2))] if later % 3 == 2 else []
+
+    monkeypatch.setattr(LoopFinder, "find", lies)
+    odometry = drifting(SQUARE, stretch=1.05, veer=0.06)
+    mapper, poses, _ = followed(drive(ROOM, SQUARE, odometry))
+    assert mapper.account.refused >= 3
+    assert mapper.account.loops == 0
+    assert off(poses, SQUARE).max() < 0.06
+
+
+@pytest.mark.parametrize(("rate", "step", "turn"), [(2, 0.4, 0.5), (40, 0.02, 0.05)])
+def test_few_or_many_scans_a_second(rate, step, turn):
+    true = way([(2, 2), (4, 2), (4, 3.2)], step=step, turn=turn)
+    odometry = drifting(true, stretch=1.05, veer=0.1)
+    _, poses, _ = followed(drive(ROOM, true, odometry, seconds=1 / rate))
+    assert off(odometry, true)[-1] > 0.2
+    assert off(poses, true).max() < 0.06
 
 
 def test_the_same_observations_give_the_same_poses():

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 import time
+from itertools import pairwise
 
 import numpy as np
 from kiss_icp.config import KISSConfig
@@ -25,7 +26,7 @@ def main(scans: str, out: str) -> None:
     config.data.max_range, config.data.min_range, config.data.deskew = 25.0, 0.1, False
     config.mapping.voxel_size = 0.2
     method, poses, begun = KissICP(config), [], time.process_time()
-    for start, end in zip(starts, starts[1:], strict=False):
+    for start, end in pairwise(starts):
         flat = points[start:end]
         frame = np.vstack([np.column_stack([flat, np.full(len(flat), z)]) for z in LAYERS])
         method.register_frame(frame, np.zeros(len(frame)))

@@ -126,16 +126,20 @@ class Accumulator(Estimator, ABC):
         """Forget everything, as before the first observation."""
 
     def corrected(self, correction: Correction) -> None:
-        """Move what has a position: the poses of earlier observations are known better now.
+        """Take note that the poses of earlier observations are known better now.
 
         Called before the :meth:`update` with the first observation that is told in the new poses.
-        The default keeps everything where it is, which is right for what has no position.
+        The default keeps everything where it is: :class:`placecue.slam.retold.Retold` around an
+        accumulator sees to it that it is told everything again.
 
         Parameters
         ----------
         correction : Correction
             Where each moment of the way was put, and where it is now.
         """
+
+    def finish(self) -> None:
+        """Take note that the log has ended; the default does nothing."""
 
     def warnings(self) -> list[str]:
         """Return what a person should know of the map before trusting it, a line each."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
-
-from placecue.observation import Pose2D
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,33 +23,31 @@ class Correction:
     before, after : ndarray of float64, shape (n, 3)
         x, y (m) and heading (rad) of the robot at these moments, as they were told last and as
         they are now.
+    frame : str
+        The frame of the poses; what is in another one stays where it is.
     """
 
     stamps: NDArray[np.int64]
     before: NDArray[np.float64]
     after: NDArray[np.float64]
+    frame: str = "map"
 
-    def moved(self, stamp: int, pose: Pose2D) -> Pose2D:
-        """Return where something is now that was seen at a time.
+    def moved(self, stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where things are now that were seen at some times.
 
-        It keeps its place beside the last of the moments before it, as if it stood on a rigid
+        Each keeps its place beside the last of the moments before it, as if it stood on a rigid
         piece of the map.
 
         Parameters
         ----------
-        stamp : int
-            When it was put where it is, ns.
-        pose : Pose2D
-            Where it was put, by the pose as it was told.
+        stamps : ndarray of int64, shape (k,)
+            When each was put where it is, ns.
+        poses : ndarray of float64, shape (k, 3)
+            Where it was put, by the pose as it was told: x, y (m) and heading (rad).
         """
-        at = int(np.searchsorted(self.stamps, stamp, side="right")) - 1
-        old, new = self.before[max(at, 0)].tolist(), self.after[max(at, 0)].tolist()
-        turn = (new[2] - old[2] + pi) % (2 * pi) - pi
-        dx, dy, c, s = pose.x - old[0], pose.y - old[1], cos(turn), sin(turn)
-        x, y = new[0] + c * dx - s * dy, new[1] + s * dx + c * dy
-        return Pose2D(x, y, pose.theta + turn, pose.frame)
-
-    @property
-    def farthest(self) -> float:
-        """The largest distance that one of the moments moved, m."""
-        return float(np.hypot(*(self.after - self.before)[:, :2].T).max())
+        at = np.maximum(np.searchsorted(self.stamps, stamps, side="right") - 1, 0)
+        old, new = self.before[at], self.after[at]
+        turn = (new[:, 2] - old[:, 2] + pi) % (2 * pi) - pi
+        (dx, dy), c, s = (poses - old)[:, :2].T, np.cos(turn), np.sin(turn)
+        x, y = new[:, 0] + c * dx - s * dy, new[:, 1] + s * dx + c * dy
+        return np.column_stack([x, y, poses[:, 2] + turn])

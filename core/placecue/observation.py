@@ -53,12 +53,11 @@ class Pose2D:
             frame=self.frame,
         )
 
-    def seen(self, other: Pose2D, frame: str = "base_link") -> Pose2D:
-        """Return ``other``, given in the frame of this pose, in this pose's own frame."""
+    def inverse(self, frame: str = "base_link") -> Pose2D:
+        """Return where this pose's frame lies, seen from this pose, whose own frame is named."""
         c, s = np.cos(self.theta), np.sin(self.theta)
-        dx, dy = other.x - self.x, other.y - self.y
-        theta = other.theta - self.theta
-        return Pose2D(float(c * dx + s * dy), float(c * dy - s * dx), theta, frame)
+        x, y = float(-c * self.x - s * self.y), float(s * self.x - c * self.y)
+        return Pose2D(x, y, -self.theta, frame)
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,6 +257,8 @@ class Observation:
         Observations of one scene are near-copies, so the folds ``scenes`` never part them.
     correction : Correction or None
         How poses of earlier observations have moved, where that was learned just now.
+    odometry : Pose2D or None
+        The pose as it was recorded, where ``pose`` is a corrected one.
     """
 
     __slots__ = (
@@ -266,6 +267,7 @@ class Observation:
         "image_source",
         "label",
         "log_name",
+        "odometry",
         "origin",
         "pose",
         "scan",
@@ -282,6 +284,7 @@ class Observation:
     log_name: str
     scene: str | None
     correction: Correction | None
+    odometry: Pose2D | None
     _decoded: Image | None
 
     def __init__(
@@ -296,6 +299,7 @@ class Observation:
         log_name: str = "",
         scene: str | None = None,
         correction: Correction | None = None,
+        odometry: Pose2D | None = None,
     ) -> None:
         keep = partial(object.__setattr__, self)
         keep("stamp", stamp)
@@ -307,6 +311,7 @@ class Observation:
         keep("log_name", log_name)
         keep("scene", scene)
         keep("correction", correction)
+        keep("odometry", odometry)
         keep("_decoded", None)
 
     def __setattr__(self, name: str, value: object) -> Never:
@@ -376,7 +381,8 @@ class Observation:
         correction : Correction, optional
             How the poses of earlier observations have moved.
         """
-        return self._with(pose=pose, correction=correction)
+        recorded = self.odometry or self.pose
+        return self._with(pose=pose, correction=correction, odometry=recorded)
 
     def of_log(self, name: str, origin: Origin | None = None) -> Observation:
         """Say what the log is called and which of its observations this is, unless that is known.
@@ -405,7 +411,7 @@ class Observation:
         return Observation(self.stamp, **(self._parts() | changed))
 
     def _parts(self) -> dict[str, Any]:
-        names = ("scan", "pose", "label", "origin", "log_name", "scene", "correction")
+        names = ("scan", "pose", "label", "origin", "log_name", "scene", "correction", "odometry")
         return {"image": self.image_source} | {name: getattr(self, name) for name in names}
 
     def __reduce__(self) -> tuple[Any, ...]:

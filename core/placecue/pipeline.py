@@ -229,6 +229,7 @@ class Pipeline:
                 accumulator, "update", observation, belief, check=area_update, at=observation
             )
             yield observation, belief, update
+        call(accumulator, "finish")
 
     # ------------------------------------------------------------------ a log
 

@@ -35,6 +35,9 @@ class Node:
         The direction in which the door is passed, rad; 0 for other nodes.
     probabilities : dict of str to float
         Of each class by what was seen at the node alone; empty where nothing was.
+    uncertainty : tuple of float or None
+        Standard deviations of x, y (m) and heading (rad) of the robot there, where poses were
+        corrected by scans.
     """
 
     id: int
@@ -44,6 +47,7 @@ class Node:
     gateway: bool = False
     heading: float = 0.0
     probabilities: dict[str, float] = field(default_factory=dict)
+    uncertainty: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +210,7 @@ class SemanticMap:
         try:
             return cls(
                 areas=tuple(_area(area) for area in data["areas"]),
-                nodes=tuple(Node(**node) for node in data["nodes"]),
+                nodes=tuple(_node(node) for node in data["nodes"]),
                 edges=tuple((a, b) for a, b in data["edges"]),
                 classes=tuple(data["classes"]),
                 frame=data["frame"],
@@ -220,6 +224,11 @@ class SemanticMap:
     def to_geojson(self) -> dict[str, Any]:
         """Return areas, nodes and edges as GeoJSON; see :func:`placecue.map_geojson.geojson_of`."""
         return geojson_of(self)
+
+
+def _node(data: dict[str, Any]) -> Node:
+    found = data.get("uncertainty")
+    return Node(**{**data, "uncertainty": None if found is None else (*map(float, found),)})
 
 
 def _area(data: dict[str, Any]) -> Area:

@@ -1,20 +1,27 @@
 """Poses from scans on drives through drawn rooms, whose true poses are known."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 from placecue import LaserScan, Observation, Pose2D
-from slam_rooms import BEAMS, box, drifting, drive, ring, scan, way
+from slam_rooms import (
+    BEAMS,
+    ROUND,
+    around_the_block,
+    box,
+    corrected_round,
+    drifting,
+    drive,
+    scan,
+    way,
+)
 
 pytest.importorskip("small_gicp")
 pytest.importorskip("gtsam")
 
+from placecue.slam.loops import BEST, Loop, LoopFinder
 from placecue.slam.mapper import Mapper
 
-#: Once around the block, and on past where it began.
-ROUND = way([(1, 1), (11, 1), (11, 9), (1, 9), (1, 1), (6, 1)], step=0.2, turn=0.3)
 #: Around in a square room.
 SQUARE = way([(2, 2), (4, 2), (4, 4), (2, 4), (2, 2.2)], step=0.1)
 ROOM = [*box(0, 0, 6, 6), *box(2.8, 2.9, 3.2, 3.1)]
@@ -33,12 +40,6 @@ def followed(observations):
 def off(poses, true):
     """Return how far poses are from the truth, m, shape (n,)."""
     return np.hypot(*(poses - true)[:, :2].T)
-
-
-@cache
-def around_the_block():
-    odometry = drifting(ROUND, stretch=1.03, veer=0.012)
-    return odometry, drive(ring(), ROUND, odometry)
 
 
 @pytest.mark.parametrize("view", [180, 270, 360])
@@ -84,7 +85,8 @@ def test_the_length_of_a_corridor_is_what_odometry_says():
 
 def test_a_loop_is_closed_and_moves_what_was_told_before():
     odometry, observations = around_the_block()
-    mapper, poses, news = followed(observations)
+    source, told = corrected_round()
+    mapper, news = source.mapper, [each.correction for each in told if each.correction]
     assert off(odometry, ROUND).max() > 1.0
     assert mapper.account.loops >= 2
     stamps = np.array([each.stamp for each in observations])
@@ -92,14 +94,36 @@ def test_a_loop_is_closed_and_moves_what_was_told_before():
     final = mapper.trajectory.poses(mapper.poses)[at]
     assert off(final, ROUND).max() < 0.15
     # What was told with each correction leads from the poses as they were told to those of now.
-    kept = [(each.stamp, Pose2D(*pose)) for each, pose in zip(observations, poses, strict=True)]
-    told = [pose for _, pose in kept]
+    told = np.array([(each.pose.x, each.pose.y, each.pose.theta) for each in told])
     for correction in news:
-        for number, (stamp, _) in enumerate(kept):
-            if stamp < correction.stamps[-1]:
-                told[number] = correction.moved(stamp, told[number])
-    ended = np.array([(pose.x, pose.y, pose.theta) for pose in told])
-    assert np.hypot(*(ended - final)[:, :2].T).max() < 0.05
+        known = stamps < correction.stamps[-1]
+        told[known] = correction.moved(stamps[known], told[known])
+    assert np.hypot(*(told - final)[:, :2].T).max() < 0.05
+
+
+def test_a_loop_that_is_wrong_on_purpose_is_refused(monkeypatch):
+    """The robot is said to be back at its start, turned round, on every third keyframe."""
+
+    def lies(self, keyframes, poses):
+        later = len(keyframes) - 1
+        wrong = np.array([1.0, -1.0, np.pi])
+        return [Loop(0, later, wrong, np.diag(BEST**2))] if later % 3 == 2 else []
+
+    monkeypatch.setattr(LoopFinder, "find", lies)
+    odometry = drifting(SQUARE, stretch=1.05, veer=0.06)
+    mapper, poses, _ = followed(drive(ROOM, SQUARE, odometry))
+    assert mapper.account.refused >= 3
+    assert mapper.account.loops == 0
+    assert off(poses, SQUARE).max() < 0.06
+
+
+@pytest.mark.parametrize(("rate", "step", "turn"), [(2, 0.4, 0.5), (40, 0.02, 0.05)])
+def test_few_or_many_scans_a_second(rate, step, turn):
+    true = way([(2, 2), (4, 2), (4, 3.2)], step=step, turn=turn)
+    odometry = drifting(true, stretch=1.05, veer=0.1)
+    _, poses, _ = followed(drive(ROOM, true, odometry, seconds=1 / rate))
+    assert off(odometry, true)[-1] > 0.2
+    assert off(poses, true).max() < 0.06
 
 
 def test_the_same_observations_give_the_same_poses():

@@ -11,6 +11,7 @@ from placecue.commands import as_json, files, reporting, show, tables
 from placecue.commands.features import extraction_of
 from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
+from placecue.commands.straightening import Straightening, trajectory
 from placecue.components.manager import current_plugins
 from placecue.evaluation.report.labelling import run_page
 from placecue.evaluation.report.sampled import MistakeSample
@@ -34,7 +35,7 @@ def run(config: dict[str, Any]) -> dict[str, float]:
     out, plugins = path_of(config, "out"), current_plugins()
     pipeline, log = model_and_log(config, plugins, ("pose", "label"))
     table, annotated, metrics = out / files.BELIEFS, out / files.BELIEFS_LOG, out / files.SCORES
-    tally, sample = Tally(), MistakeSample()
+    tally, sample, straightening = Tally(), MistakeSample(), Straightening(log)
     as_json.wanted(config)
     reporting.is_wanted(config)  # wrong words are told before the run, not after it
     tally.says_unknown = pipeline.rejection_ is not None
@@ -50,6 +51,8 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         ]
         run_log(pipeline, log, listeners, batch=config["batch"])
     results = [("beliefs", table), ("beliefs with the log, for Foxglove", annotated)]
+    straightening.write(out)
+    results += trajectory(out)
     if tally.counts:
         if not as_json.wanted(config):
             show.scores(tally)

@@ -16,14 +16,16 @@ BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"
 SUGGESTIONS = "suggestions.csv"
 MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
+TRAJECTORY = "trajectory.tum"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
 EVALUATED = ("experiment.json", "results.csv", REPORT)
 TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
-CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
+CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT, TRAJECTORY)
 SUGGESTED = (SUGGESTIONS, REPORT)
 MAP_FILES = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
-LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE, REPORT, *MAP_FILES)
+MAP_OF_LOG = (MAP, GEOJSON, PICTURE, TRAJECTORY, *MAP_FILES)
+LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, *MAP_OF_LOG)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 
 

@@ -13,6 +13,7 @@ from placecue.commands import as_json, tables
 from placecue.commands.logs import open_source, single_logs
 from placecue.commands.paths import path_of
 from placecue.commands.source_summary import SourceSummary, walk
+from placecue.commands.straightening import Straightening
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
 from placecue.evaluation.map_figure import category_styles, draw_semantic_map
@@ -20,7 +21,9 @@ from placecue.evaluation.thumbnail import thumbnail
 from placecue.labels.relabelled import Hits, Relabelled
 from placecue.logs.info import LogSummary, TopicSummary, summarise
 from placecue.logs.reader import McapLog
+from placecue.logs.writing.trail import Trail
 from placecue.observation import PARTS
+from placecue.progress import track
 from placecue.semantic_map import SemanticMap
 from placecue.source import Source, innermost
 
@@ -55,15 +58,23 @@ def run(config: dict[str, Any]) -> None:
 
 def summary_of(source: Source) -> LogSummary | SourceSummary:
     """Look at a log, under other labels where the config asks for them; walk through others."""
-    inner = innermost(source)
+    inner, straightening = innermost(source), Straightening(source)
     if not isinstance(inner, McapLog):
-        return walk(source)
-    if not isinstance(source, Relabelled):
-        return summarise(inner)
-    hits = Hits(source)
-    summary = summarise(inner, hits.label)
-    hits.tell()
-    return summary
+        found: LogSummary | SourceSummary = walk(source)
+    elif isinstance(source, Relabelled):
+        hits = Hits(source)
+        found = summarise(inner, hits.label)
+        hits.tell()
+    else:
+        found = summarise(inner)
+    if not straightening.sources:
+        return found
+    for each in track(source, f"correcting poses of {source.name}", source.count()):
+        straightening.observe(each)
+    trail = Trail()
+    for each in straightening.observations():
+        trail.add(each)
+    return replace(found, trail=trail.points or found.trail)
 
 
 def document(summary: LogSummary | SourceSummary) -> dict[str, Any]:

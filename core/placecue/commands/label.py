@@ -14,6 +14,7 @@ from placecue.commands.features import extraction_of
 from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
+from placecue.commands.straightening import Straightening, advice, trajectory
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.report.labelling import run_page
@@ -26,6 +27,7 @@ from placecue.labelling import Listener, run_log
 from placecue.listening import PluginListeners
 from placecue.logs.writing.annotated import LAYOUT, AnnotatedLog, write_layout
 from placecue.semantic_map import SemanticMap
+from placecue.sharpness import Sharpness
 from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 from placecue.surfaces import with_surfaces
@@ -75,6 +77,8 @@ def label(
     pipeline, log = model_and_log(config, plugins, ("scan", "pose", "label"))
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
     surroundings, sample, space = Surroundings(), MistakeSample(), FreeSpace()
+    straightening, sharpness = Straightening(log), Sharpness()
+    accumulator = straightening.following(accumulator)
     reported = reporting.is_wanted(config)
     tally.says_unknown = pipeline.rejection_ is not None
     with ExitStack() as stack, progress.shown():
@@ -85,6 +89,8 @@ def label(
             tally,
             surroundings,
             space,
+            straightening,
+            *([] if straightening.sources else [sharpness]),
             annotated,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
@@ -92,11 +98,13 @@ def label(
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
+        surroundings, space = straightening.drawn(surroundings, space)
         grid = space.grid()
-        semantic_map = with_surfaces(semantic_map, grid)
+        semantic_map = straightening.sure(with_surfaces(semantic_map, grid))
         annotated.close_with(semantic_map)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out)
+    straightening.write(out)
     write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name)
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
@@ -104,7 +112,7 @@ def label(
     reporting.write(config, out, lambda: run_page(
         f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE
     ))  # fmt: skip
-    for doubt in doubts:
+    for doubt in [*advice(sharpness), *doubts]:
         tell(f"note: {doubt}")
     return semantic_map
 
@@ -120,6 +128,7 @@ def results(out: Path, scored: bool) -> list[tuple[str, Path]]:
         ("its nodes", out / map_files.NODES),
         ("its picture", out / files.PICTURE),
         ("beliefs", out / files.BELIEFS),
+        *trajectory(out),
         ("annotated log", out / files.ANNOTATED),
         ("its layout for Foxglove or Lichtblick", out / LAYOUT),
     ]

@@ -20,6 +20,7 @@ from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.onlookers import check_onlookers, onlookers_of
 from placecue.commands.paths import path_of
+from placecue.commands.straightening import Straightening, trajectory
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
@@ -42,6 +43,7 @@ from placecue.storage.belief_table import belief_table
 
 WRITES = (
     *(files.BELIEFS, files.SCORES, files.MAP, files.GEOJSON, files.PICTURE),
+    files.TRAJECTORY,
     *files.MAP_FILES,
 )
 
@@ -66,7 +68,8 @@ def run(config: dict[str, Any]) -> dict[str, float]:
     plugins, out, tally = current_plugins(), path_of(config, "out"), Tally()
     pipeline, source = model_and_log(config, plugins, ("scan", "pose", "label"))
     robot = _robot(source)
-    accumulator: Accumulator = build(config["accumulator"], "accumulator", plugins.registry)
+    built: Accumulator = build(config["accumulator"], "accumulator", plugins.registry)
+    accumulator = Straightening(source).following(built)
     tally.says_unknown = pipeline.rejection_ is not None
     pace = Pace(lambda: robot.arrived)
     with _side_by_side(pipeline, config["workers"]):
@@ -91,7 +94,7 @@ def label(
     out: Path,
 ) -> SemanticMap:
     """Label what comes until it ends, telling onlookers, and write the map into ``out``."""
-    surroundings, space = Surroundings(), FreeSpace()
+    surroundings, space, straightening = Surroundings(), FreeSpace(), Straightening(source)
     with ExitStack() as stack:
         stack.callback(robot.stop)
         shown = lambda: _shown(robot, pace)  # noqa: E731
@@ -104,6 +107,7 @@ def label(
             tally,
             surroundings,
             space,
+            straightening,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(current_plugins()),
             told,
@@ -111,7 +115,10 @@ def label(
         with stopped_by_interrupt(robot.stop):
             run_log(pipeline, source, listeners, accumulator=accumulator, batch=1)
         print("progress: writing the map", file=sys.stderr, flush=True)
+        surroundings, told.space = straightening.drawn(surroundings, space)
         semantic_map, grid = told.end()
+        semantic_map = straightening.sure(semantic_map)
+        straightening.write(out)
         write_map(semantic_map, grid, surroundings, pipeline.classes, out, source.name)
     return semantic_map
 
@@ -184,5 +191,6 @@ def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, 
             ("its nodes", out / map_files.NODES),
             ("its picture", out / files.PICTURE),
             ("beliefs", out / files.BELIEFS),
+            *trajectory(out),
         ]
     )

@@ -33,8 +33,8 @@ class Account:
         Times that the map was begun anew, with a guess of how it hangs together.
     disordered : int
         Observations not later than the one before; they moved nothing.
-    loops, refused : int
-        Loops closed, and loops that contradicted the rest.
+    loops, confirmed, refused : int
+        Loops closed, loops that said what was known, and loops that contradicted the rest.
     """
 
     scans: int = 0
@@ -49,6 +49,7 @@ class Account:
     lost: int = 0
     disordered: int = 0
     loops: int = 0
+    confirmed: int = 0
     refused: int = 0
 
     def told(self) -> str:
@@ -67,5 +68,6 @@ class Account:
         )
         parts += [f"{count} {what}" for count, what in notes if count]
         parts.append(f"{self.loops} loops closed")
+        parts += [f"{self.confirmed} confirmed"] if self.confirmed else []
         parts += [f"{self.refused} refused"] if self.refused else []
         return ", ".join(parts)

@@ -14,6 +14,8 @@ from placecue.slam.planar import Array, between, compose
 POINT, BEST = 0.05, np.array([0.005, 0.005, 0.001])
 #: A direction that fewer points than this share tell is told by the prior alone.
 TOLD = 0.04
+#: So often a match is wrong altogether, whatever it says of itself.
+WRONG = 0.02
 #: A turn is weighed as the motion that it makes at this distance, m.
 ARM = 3.0
 
@@ -81,9 +83,20 @@ def fused(match: Match, points: int, expected: Array, covariance: Array) -> Esti
         Where it was expected.
     covariance : ndarray, shape (3, 3)
         Of what was expected.
+
+    Notes
+    -----
+    The farther a match lies from what was expected, the likelier it is that scan and map are
+    paired wrongly; the pose is taken from it, but as unsure as the two possibilities lie apart.
     """
     information, untold = told(match, points)
     prior = np.linalg.inv(covariance)
     joint = np.linalg.inv(information + prior)
-    step = joint @ prior @ between(match.pose, expected)
-    return Estimate(compose(match.pose, step), joint + np.diag(BEST**2), untold)
+    off = between(match.pose, expected)
+    step = joint @ prior @ off
+    # What both leave of the difference, the directions that the match does not tell left out.
+    surprise = float(off @ (prior - prior @ joint @ prior) @ off)
+    doubt = WRONG / (WRONG + (1 - WRONG) * np.exp(-surprise / 2))
+    apart = off - step
+    spread = joint + np.diag(BEST**2) + doubt * np.outer(apart, apart)
+    return Estimate(compose(match.pose, step), spread, untold)

@@ -37,7 +37,7 @@ APART, TOGETHER, GIVE, AGREE = 2, 8, np.array([0.08, 0.08, 0.02]), 3.0
 REST = 1.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Loop:
     """One keyframe as it is seen from an earlier one.
 

@@ -15,7 +15,7 @@ from placecue.slam.cloud import Points, cloud_of
 from placecue.slam.fusing import Estimate, fused
 from placecue.slam.keyframes import Keyframe, joined, small
 from placecue.slam.likelihood import Field
-from placecue.slam.loops import LoopFinder
+from placecue.slam.loops import Loop, LoopFinder
 from placecue.slam.matching import Target
 from placecue.slam.motion import Motion, Step, unmeasured
 from placecue.slam.planar import Array, array_of, between, carried, compose, pose_of
@@ -41,6 +41,8 @@ STILL, STILL_TURN, CHANGED = 0.02, 0.01, 0.03
 #: After so many scans in a row that lie on nothing the map is begun anew, tied to what is there by
 #: this, m, m, rad.
 MISSES, TIE = 6, np.array([2.0, 2.0, 0.5])
+#: A loop that says no more than this of what is known, m and rad, is left out of the graph.
+KNOWN, KNOWN_TURN = 0.03, 0.01
 #: Late news of poses that moved less than this, m and rad, is kept back.
 NEWS, NEWS_TURN = 0.02, 0.005
 #: The least that a pose may be off from the one before, m, m, rad.
@@ -96,10 +98,36 @@ class Mapper:
         """Poses of the keyframes as they are known now, shape (n, 3)."""
         return np.empty((0, 3)) if self._graph is None else self._graph.poses
 
+    def observations(self) -> Iterator[Observation]:
+        """Yield stamp, scan and pose of each keyframe, as poses are known now."""
+        for keyframe, pose in zip(self.keyframes, self.poses, strict=True):
+            placed = pose_of(pose, self.frame)
+            yield Observation(keyframe.stamp, scan=keyframe.scan, pose=placed)
+
     def uncertainty(self, number: int) -> Array:
         """Return the covariance of a keyframe's pose in its own axes, shape (3, 3)."""
         assert self._graph is not None
         return self._graph.uncertainty(number)
+
+    def sure_of(self, x: float, y: float) -> tuple[float, float, float]:
+        """Return how sure the pose is that was told nearest to a position.
+
+        Parameters
+        ----------
+        x, y : float
+            m, in the frame of the poses; there must be a keyframe.
+
+        Returns
+        -------
+        tuple of float
+            Standard deviations of x, y (m) and heading (rad), in the axes of that frame.
+        """
+        number = int(np.hypot(*(self.poses[:, :2] - [x, y]).T).argmin())
+        turn = np.eye(3)
+        c, s = np.cos(self.poses[number, 2]), np.sin(self.poses[number, 2])
+        turn[:2, :2] = [[c, -s], [s, c]]
+        a, b, heading = np.sqrt(np.diag(turn @ self.uncertainty(number) @ turn.T)).tolist()
+        return a, b, heading
 
     def follow(self, observation: Observation) -> tuple[Pose2D, Correction | None]:
         """Take in the next observation.
@@ -261,20 +289,31 @@ class Mapper:
         self._look_around()
 
     def _close_loops(self) -> None:
+        found = self._loops.find(self.keyframes, self.poses)
+        known = [loop for loop in found if self._is_known(loop)]
+        closed = [loop for loop in found if loop not in known and self._closes(loop)]
+        if not (known or closed):
+            return
+        self._back.update({loop.later: loop.earlier for loop in (*known, *closed)})
+        self.account.confirmed += len(known)
+        self.account.loops += len(closed)
+        self._loops.closed(self._way)
+        self._pose = self.poses[-1].copy()
+        self._look_around()
+
+    def _is_known(self, loop: Loop) -> bool:
+        """Tell whether a loop says what is known anyway: on old ground the graph stays small."""
+        here = between(self.poses[loop.earlier], self.poses[loop.later])
+        off = between(loop.relative, here)
+        return bool(hypot(off[0], off[1]) <= KNOWN and abs(off[2]) <= KNOWN_TURN)
+
+    def _closes(self, loop: Loop) -> bool:
         assert self._graph is not None
-        kept = 0
-        for loop in self._loops.find(self.keyframes, self.poses):
-            if self._graph.close(loop.earlier, loop.later, loop.relative, loop.covariance):
-                self._back[loop.later] = loop.earlier
-                kept += 1
-            else:
-                self.account.refused += 1
-                self._loops.refused()
-        if kept:
-            self.account.loops += kept
-            self._loops.closed(self._way)
-            self._pose = self.poses[-1].copy()
-            self._look_around()
+        kept = self._graph.close(loop.earlier, loop.later, loop.relative, loop.covariance)
+        if not kept:
+            self.account.refused += 1
+            self._loops.refused()
+        return kept
 
     def _look_around(self) -> None:
         """Gather what scans are laid on from now on."""
@@ -295,7 +334,7 @@ class Mapper:
             return None
         stamps = np.array([keyframe.stamp for keyframe in self.keyframes], dtype=np.int64)
         before, self._told = self._told, self.poses.copy()
-        return Correction(stamps, before, self._told)
+        return Correction(stamps, before, self._told, self.frame)
 
 
 def alike(one: LaserScan | None, other: LaserScan) -> bool:

@@ -12,8 +12,8 @@ from placecue.slam.planar import Array, array_of, between
 
 #: Faster than this no indoor robot drives or turns, m/s and rad/s: poses that do have jumped.
 FASTEST, FASTEST_TURN = 3.0, 4.0
-#: And so much is never a jump, m and rad.
-SLACK, SLACK_TURN = 0.5, 0.5
+#: Stamps may be wrong by so much, s, where a log's lines come in bursts.
+JITTER = 0.25
 #: Odometry errs by a share of the way and of the turn, by so much heading a metre (rad/m), and by
 #: a little anyway (m, rad).
 WAY, TURN, VEER, LEAST, LEAST_TURN = 0.08, 0.08, 0.04, 0.003, 0.002
@@ -98,8 +98,8 @@ def unmeasured(seconds: float) -> Array:
 
 
 def _jumps(motion: Array, seconds: float) -> bool:
-    far = hypot(motion[0], motion[1]) > SLACK + FASTEST * seconds
-    return far or abs(motion[2]) > SLACK_TURN + FASTEST_TURN * seconds
+    time = seconds + JITTER
+    return hypot(motion[0], motion[1]) > FASTEST * time or abs(motion[2]) > FASTEST_TURN * time
 
 
 def _odometry_covariance(motion: Array) -> Array:

@@ -16,6 +16,9 @@ from placecue.semantic_map import SemanticMap
 
 ROUTE_GRAPH, PICTURE, ABOUT, NODES = "route_graph.geojson", "map.pgm", "map.yaml", "nodes.csv"
 
+#: Columns of the table of nodes that say how sure a position is; empty where nothing tells.
+SIGMAS = ("sigma_x_m", "sigma_y_m", "sigma_heading_rad")
+
 #: Grey levels of a picture that Nav2's map server reads in its mode "trinary".
 WHITE, BLACK, GREY = 254, 0, 205
 
@@ -98,14 +101,15 @@ def node_table(semantic_map: SemanticMap) -> str:
     areas = {area.id: area for area in semantic_map.areas}
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    head = ("node", "x_m", "y_m", "frame", "area", "gateway", "label", "confidence")
+    head = ("node", "x_m", "y_m", "frame", "area", "gateway", "label", "confidence", *SIGMAS)
     writer.writerow([*head, *(f"p({name})" for name in semantic_map.classes)])
     for node in semantic_map.nodes:
         area = areas[node.area]
         about = (node.id, f"{node.x:.4f}", f"{node.y:.4f}", area.frame, area.id, int(node.gateway))
         shares = (node.probabilities.get(name) for name in semantic_map.classes)
         told = ("" if share is None else f"{share:.4f}" for share in shares)
-        writer.writerow([*about, area.label, f"{area.confidence:.4f}", *told])
+        sure = [f"{sigma:.4f}" for sigma in node.uncertainty] if node.uncertainty else [""] * 3
+        writer.writerow([*about, area.label, f"{area.confidence:.4f}", *sure, *told])
     return table.getvalue()
 
 

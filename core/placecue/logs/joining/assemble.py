@@ -59,7 +59,7 @@ class Assembler:
         images = match.driver.role == "image"
         scan, pose = self._scan(match) if images else driver, self._pose(match)
         if scan is not None and pose is not None and scan.mount.frame == pose.frame:
-            scan = replace(scan, mount=pose.seen(scan.mount))
+            scan = replace(scan, mount=pose.inverse().compose(scan.mount))
         return Observation(
             match.driver.stamp,
             image=driver if images else None,

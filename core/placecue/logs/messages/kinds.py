@@ -11,6 +11,7 @@ from placecue.camera import PinholeCamera
 from placecue.observation import LaserScan, Pose2D
 
 #: Frames in what placecue writes.
+ODOM_FRAME = "odom"
 BASE_FRAME = "base_link"
 LASER_FRAME = "laser"
 CAMERA_FRAME = "camera"

@@ -12,7 +12,14 @@ import numpy as np
 from placecue.camera import PinholeCamera
 from placecue.errors import UnusableObservation, UsageError, choices
 from placecue.logs.messages.foxglove_messages import FoxgloveDialect
-from placecue.logs.messages.kinds import BASE_FRAME, LASER_FRAME, Dialect, Written, spacing
+from placecue.logs.messages.kinds import (
+    BASE_FRAME,
+    LASER_FRAME,
+    ODOM_FRAME,
+    Dialect,
+    Written,
+    spacing,
+)
 from placecue.logs.messages.ros2_messages import Ros2Dialect
 from placecue.logs.writing.output import Output
 from placecue.observation import EncodedImage, LaserScan, Observation, Pose2D
@@ -30,14 +37,20 @@ def can_hold(stamp: int) -> bool:
     return 0 <= stamp < LAST_STAMP
 
 
+def is_finite(pose: Pose2D) -> bool:
+    """Tell whether a pose is made of finite numbers."""
+    return bool(np.isfinite([pose.x, pose.y, pose.theta]).all())
+
+
 class McapWriter:
     """Writes observations to an MCAP file; a context manager.
 
     The file appears when the block ends well; when it does not, nothing is left behind.
     Messages: a compressed image, a scan, a pose (also as a transform, for viewers), the laser's
-    mounting as a static transform, and an event whenever the label changes. Stamps are exact;
-    encoded images pass through untouched; poses keep every bit of x and y, headings come back
-    within [-pi, pi]. In ``cdr`` the ranges and angles of scans are rounded to float32.
+    mounting as a static transform, and an event whenever the label changes. Where poses were
+    corrected, the transforms are those of ROS: ``map → odom`` and ``odom → base_link``. Stamps are
+    exact; encoded images pass through untouched; poses keep every bit of x and y, headings come
+    back within [-pi, pi]. In ``cdr`` the ranges and angles of scans are rounded to float32.
 
     Parameters
     ----------
@@ -98,6 +111,7 @@ class McapWriter:
         self.camera = camera
         self._label: str | None = None
         self._mount: Pose2D | None = None
+        self._odometry: Pose2D | None = None  # the last
         if metadata:
             self.output.metadata("placecue", metadata)
 
@@ -118,7 +132,7 @@ class McapWriter:
         if label != (self._label or ""):
             messages.append(self.dialect.label(stamp, label))
         if observation.pose is not None:
-            messages += self._pose(stamp, observation.pose)
+            messages += self._pose(stamp, observation.pose, observation.odometry)
         if observation.scan is not None:
             mount = observation.scan.mount
             messages += self._scan(stamp, observation.scan)
@@ -130,11 +144,19 @@ class McapWriter:
             self.output.write(stamp, message)
         self._label, self._mount = label, mount or self._mount
 
-    def _pose(self, stamp: int, pose: Pose2D) -> list[Written]:
-        if not np.isfinite([pose.x, pose.y, pose.theta]).all():
+    def _pose(self, stamp: int, pose: Pose2D, odometry: Pose2D | None) -> list[Written]:
+        if not is_finite(pose):
             raise UnusableObservation(f"the pose at stamp {stamp} is not finite: {pose}")
-        moved = self.dialect.transform(stamp, pose.frame, BASE_FRAME, pose, static=False)
-        return [self.dialect.pose(stamp, pose), moved]
+        if odometry is not None and is_finite(odometry):
+            self._odometry = odometry
+        told = [self.dialect.pose(stamp, pose)]
+        parent, moved = pose.frame, pose
+        if self._odometry is not None:
+            parent = ODOM_FRAME if self._odometry.frame == pose.frame else self._odometry.frame
+            drift = pose.compose(self._odometry.inverse())
+            told.append(self.dialect.transform(stamp, pose.frame, parent, drift, static=False))
+            moved = self._odometry
+        return [*told, self.dialect.transform(stamp, parent, BASE_FRAME, moved, static=False)]
 
     def _scan(self, stamp: int, scan: LaserScan) -> list[Written]:
         uneven = np.abs(np.diff(scan.angles) - spacing(scan)) > EVEN * abs(spacing(scan))

@@ -15,6 +15,8 @@ from placecue.semantic_map import Area, SemanticMap
 NOBODY = -1
 #: From the middle of a door to where its wall surely begins, m.
 DOOR_HALF_WIDTH = 0.6
+#: Nearer to a door it is not sure which of its two areas a position of the way lies in, m.
+DOOR_APRON = 1.0
 
 Owners = NDArray[np.int32]
 
@@ -84,7 +86,18 @@ def _seeds(semantic_map: SemanticMap, area: Area, frame: str) -> NDArray[np.floa
     if area.frame != frame:
         return np.empty((0, 2))
     nodes = [(n.x, n.y) for n in semantic_map.nodes if n.area == area.id and not n.gateway]
-    return np.array([*area.trajectory, *nodes], dtype=np.float64).reshape(-1, 2)
+    way = _away_from_doors(semantic_map, np.array(area.trajectory).reshape(-1, 2))
+    if not nodes and not len(way):  # it lies at a door altogether
+        way = np.array(area.trajectory)
+    return np.concatenate([way.reshape(-1, 2), np.array(nodes).reshape(-1, 2)])
+
+
+def _away_from_doors(semantic_map: SemanticMap, way: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the positions that are not at a door: there the way is handed over late or early."""
+    for node in semantic_map.nodes:
+        if node.gateway:
+            way = way[np.hypot(way[:, 0] - node.x, way[:, 1] - node.y) > DOOR_APRON]
+    return way
 
 
 def _doors(semantic_map: SemanticMap, grid: Grid) -> NDArray[np.bool_]:

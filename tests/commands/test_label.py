@@ -15,7 +15,13 @@ from rooms import ROOMS
 
 FILES = {
     *("annotated.mcap", "beliefs.csv", "metrics.json", "placecue_layout.json"),
-    *("report.html", "semantic_map.geojson", "semantic_map.json", "semantic_map.png"),
+    *(
+        "report.html",
+        "semantic_map.geojson",
+        "semantic_map.json",
+        "semantic_map.png",
+        "semantic_map.svg",
+    ),
     *("map.pgm", "map.yaml", "nodes.csv", "route_graph.geojson"),
 }
 

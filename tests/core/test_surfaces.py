@@ -1,11 +1,13 @@
 """Free space from scans, and how it is shared out to areas."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from placecue import Area, LaserScan, Node, Observation, Pose2D, SemanticMap
+from placecue.evaluation.surroundings import walls
 from placecue.free_space import FREE, OCCUPIED, UNSEEN, FreeSpace, Grid
 from placecue.labels.rooms import read_rooms
 from placecue.surfaces import with_surfaces
@@ -115,6 +117,22 @@ def test_a_door_is_where_rooms_end():
     assert office.size == pytest.approx(6, abs=0.11)
     assert made.at(3.1, 0.3).label == "office"
     assert made.at(3.4, 0.3).label == "kitchen"
+
+
+def test_a_way_that_is_handed_over_behind_the_door_takes_nothing_there():
+    made, grid = two_rooms()
+    late = replace(made.areas[0], trajectory=((1.0, 1.2), (3.3, 1.2), (3.6, 0.4)))
+    beyond = replace(made.areas[1], trajectory=((3.4, 1.2), (5.0, 1.2)))
+    office, kitchen = with_surfaces(replace(made, areas=(late, beyond)), grid).areas
+    assert office.size == pytest.approx(6, abs=0.11)
+    assert kitchen.size == pytest.approx(6, abs=0.11)
+
+
+def test_hits_where_it_is_free_later_are_no_walls():
+    grid = two_rooms()[1]
+    points = np.array([[1.0, 1.2], [0.2, 1.2], [2.0, 0.0], [50.0, 50.0]])  # inside, edge, beyond
+    np.testing.assert_array_equal(walls(points, grid), points[1:])
+    np.testing.assert_array_equal(walls(points, None), points)
 
 
 def test_without_a_door_who_arrives_first_has_it():

@@ -15,15 +15,17 @@ from placecue.storage.manifest import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
 BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"
 SUGGESTIONS = "suggestions.csv"
-MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
+MAP, GEOJSON = "semantic_map.json", "semantic_map.geojson"
+PICTURE, DRAWING = "semantic_map.png", "semantic_map.svg"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
 EVALUATED = ("experiment.json", "results.csv", REPORT)
 TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
 SUGGESTED = (SUGGESTIONS, REPORT)
-MAP_FILES = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
-LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, MAP, GEOJSON, PICTURE, REPORT, *MAP_FILES)
+FOR_NAV2 = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
+MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2)
+LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, *MAP_FILES)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 
 

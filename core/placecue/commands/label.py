@@ -97,7 +97,7 @@ def label(
         annotated.close_with(semantic_map)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out)
-    write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name)
+    write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name, config["model"])
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
     facts = reporting.facts(config, log.name)
@@ -119,6 +119,7 @@ def results(out: Path, scored: bool) -> list[tuple[str, Path]]:
         ("", out / map_files.ABOUT),
         ("its nodes", out / map_files.NODES),
         ("its picture", out / files.PICTURE),
+        ("", out / files.DRAWING),
         ("beliefs", out / files.BELIEFS),
         ("annotated log", out / files.ANNOTATED),
         ("its layout for Foxglove or Lichtblick", out / LAYOUT),

@@ -40,10 +40,7 @@ from placecue.source import Source, innermost
 from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 
-WRITES = (
-    *(files.BELIEFS, files.SCORES, files.MAP, files.GEOJSON, files.PICTURE),
-    *files.MAP_FILES,
-)
+WRITES = (files.BELIEFS, files.SCORES, *files.MAP_FILES)
 
 
 def run(config: dict[str, Any]) -> dict[str, float]:
@@ -112,7 +109,9 @@ def label(
             run_log(pipeline, source, listeners, accumulator=accumulator, batch=1)
         print("progress: writing the map", file=sys.stderr, flush=True)
         semantic_map, grid = told.end()
-        write_map(semantic_map, grid, surroundings, pipeline.classes, out, source.name)
+        write_map(
+            semantic_map, grid, surroundings, pipeline.classes, out, source.name, config["model"]
+        )
     return semantic_map
 
 
@@ -183,6 +182,7 @@ def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, 
             ("", out / map_files.ABOUT),
             ("its nodes", out / map_files.NODES),
             ("its picture", out / files.PICTURE),
+            ("", out / files.DRAWING),
             ("beliefs", out / files.BELIEFS),
         ]
     )

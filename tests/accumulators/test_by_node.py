@@ -116,6 +116,28 @@ def test_the_hmm_knows_where_it_is():
     assert CLASSES[accumulator.filtered().argmax()] == "kitchen"
 
 
+def test_what_is_said_on_the_way_is_what_the_map_says_of_the_node():
+    accumulator = RandomField()
+    for part in (WAY[:35], WAY[35:65]):  # of so short a chain no part is out of reach
+        drive(accumulator, part, lambda _: says("office"))
+        accumulator.said_ = None  # say it again
+        pose = Pose2D(float(part[-1]), 0.0, 0.0)
+        update = accumulator.update(Observation(100, pose=pose), says("kitchen", 0.1))
+        made = accumulator.semantic_map()
+        assert update.area == len(made.nodes) - 1
+        assert update.label == "office"
+        assert update.confidence == pytest.approx(made.nodes[-1].probabilities["office"])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_strange_belief_at_a_new_node_does_not_change_where_the_robot_is(kind):
+    accumulator = kind()
+    drive(accumulator, WAY[:42], lambda _: says("office"))
+    update = accumulator.update(Observation(42, pose=Pose2D(5.2, 0, 0)), says("kitchen", 0.15))
+    assert update is not None
+    assert update.label == "office"
+
+
 def test_learned_transitions_rule_out_what_never_follows(tmp_path):
     never = np.where(np.eye(4, dtype=bool), 1.0, 0.0)
     Neighbours(CLASSES, never).write(tmp_path / "t.json")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,18 +11,21 @@ from numpy.typing import NDArray
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
 from placecue.checks import check_number, check_whole
-from placecue.distribution import doubted
+from placecue.distribution import doubted, softmax
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
 from placecue_accumulators.areas import Way
 from placecue_accumulators.doubts import Doubts
-from placecue_accumulators.graph import NavigationGraph, Step
+from placecue_accumulators.graph import NavigationGraph, Step, within_reach
 from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
 from placecue_accumulators.judging import Judge, accepts, check_judging, judge_for
 from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Odometer, is_pose
 
 Values = NDArray[np.float64]
+
+#: While the robot drives, its node hears of those so many edges away.
+REACH = 6
 
 
 class NodeAccumulator(Accumulator):
@@ -54,6 +57,21 @@ class NodeAccumulator(Accumulator):
             Pairs of nodes.
         """
 
+    def _alone(self, likelihoods: Values) -> Values:
+        """Return the probability of each class at a node without neighbours, shape (M,)."""
+        return softmax(likelihoods)
+
+    def _context(self) -> Values:
+        """Return what is known of the class where the robot is before anything is seen, (M,)."""
+        node = self.graph_.current
+        assert node is not None
+        near = within_reach(self.graph_.edges, node, REACH)
+        row = {each: number for number, each in enumerate(near)}
+        edges = [(row[a], row[b]) for a, b in self.graph_.edges if a in row and b in row]
+        likelihoods = self._likelihoods(near)
+        likelihoods[row[node]] = 0.0
+        return np.asarray(self._probabilities(likelihoods, sorted(edges))[row[node]])
+
     def _stepped(self, step: Step, likelihood: Values) -> None:
         """Take note that the robot leaves a node, and what it has seen there on this visit."""
 
@@ -74,12 +92,13 @@ class NodeAccumulator(Accumulator):
         self.doubts_ = Doubts()
         self.windows_ = TimeWindows()
         self.said_: tuple[int, str] | None = None
+        self.context_: Values | None = None  # of the node that the robot is at
 
     def update(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in the next observation; see :class:`placecue.Accumulator`.
 
-        The update names the node that the robot is at, and what was seen there alone: areas are
-        found when the map is asked for.
+        The update names the node that the robot is at, and its label by what was seen there and
+        nearby so far: areas are found when the map is asked for.
         """
         if not hasattr(self, "graph_"):
             self.reset()
@@ -157,6 +176,7 @@ class NodeAccumulator(Accumulator):
         before = self.graph_.current
         step = self.graph_.visit(pose.x, pose.y)
         if step is not None:
+            self.context_ = None
             seen = self._store(before)
             if seen is not None:
                 self._stepped(step, seen)
@@ -184,10 +204,11 @@ class NodeAccumulator(Accumulator):
 
     # ------------------------------------------------------------------ labels
 
-    def _likelihoods(self) -> Values:
+    def _likelihoods(self, nodes: Iterable[int] | None = None) -> Values:
+        """Return what was seen at some nodes, or at all, shape (n, M)."""
         assert self.judge_ is not None
         here, rows = self.graph_.current, []
-        for node in range(len(self.graph_.places)):
+        for node in range(len(self.graph_.places)) if nodes is None else nodes:
             sums = self.priors_.get(node, BinSums())
             rows.append(self.judge_.likelihoods(sums + self.here_.sums() if node == here else sums))
         return np.array(rows).reshape(-1, len(self.judge_.layout.classes))
@@ -236,8 +257,11 @@ class NodeAccumulator(Accumulator):
         node, judge = self.graph_.current, self.judge_
         if node is None or judge is None:
             return None
+        if self.context_ is None:
+            self.context_ = self._context()
         sums = self.priors_.get(node, BinSums()) + self.here_.sums()
-        found = judge.probabilities(sums)
+        found = self.context_ * self._alone(judge.likelihoods(sums))
+        found = doubted(found / found.sum(), self.doubt)
         label = self._label(found, judge.layout.classes)
         if self.said_ == (node, label):
             return None

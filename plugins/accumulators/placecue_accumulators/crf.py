@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from placecue.distribution import softmax
 from placecue_accumulators.by_node import NodeAccumulator
 from placecue_accumulators.neighbours import Neighbours
 from placecue_accumulators.pairwise import belief_propagation
@@ -67,10 +68,23 @@ class RandomField(NodeAccumulator):
         self.node_spacing = node_spacing
         self.prior_bins = prior_bins
 
+    def reset(self) -> None:
+        """Forget everything, as before the first observation."""
+        super().reset()
+        self.field_: Neighbours | None = None
+
+    def _alone(self, likelihoods: Values) -> Values:
+        return softmax(self._known().seen * likelihoods)
+
     def _probabilities(self, likelihoods: Values, edges: Sequence[tuple[int, int]]) -> Values:
-        assert self.judge_ is not None
-        m = likelihoods.shape[1]
-        known = Neighbours(self.judge_.layout.classes, self.same * np.eye(m))
-        if self.weights is not None:
-            known = Neighbours.read(self.weights, known.classes)
+        known = self._known()
         return belief_propagation(known.seen * likelihoods, known.weights, edges, self.rounds)
+
+    def _known(self) -> Neighbours:
+        assert self.judge_ is not None
+        classes = self.judge_.layout.classes
+        if self.field_ is None and self.weights is not None:
+            self.field_ = Neighbours.read(self.weights, classes)
+        elif self.field_ is None:
+            self.field_ = Neighbours(classes, self.same * np.eye(len(classes)))
+        return self.field_

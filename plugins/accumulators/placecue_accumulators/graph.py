@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, cos, floor, hypot, sin
 
@@ -223,3 +223,16 @@ class NavigationGraph:
         if before is not None:
             self.edges.add((min(before, node), max(before, node)))
         return Step(node, before, new)
+
+
+def within_reach(edges: Iterable[tuple[int, int]], node: int, reach: int) -> list[int]:
+    """Return the nodes that are at most so many edges away from one, itself included, by number."""
+    beside = defaultdict(list)
+    for a, b in edges:
+        beside[a].append(b)
+        beside[b].append(a)
+    found = outer = {node}
+    for _ in range(reach):
+        outer = {other for each in outer for other in beside[each]} - found
+        found = found | outer
+    return sorted(found)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from placecue.checks import check_number
 from placecue_accumulators.by_node import NodeAccumulator
@@ -96,6 +97,13 @@ class HiddenMarkov(NodeAccumulator):
         """Return the probability of each class where the robot is, by all up to now, shape (M,)."""
         rows = np.array([row for _, row in self._open()])
         return np.asarray(np.exp(forward(rows, self._steps())[-1]))
+
+    def _context(self) -> Values:
+        m = len(self._steps())
+        if not self.visits_:
+            return np.full(m, 1 / m)
+        before = forward(np.array([row for _, row in self.visits_]), self._steps())[-1]
+        return np.asarray(np.exp(logsumexp(before[:, None] + self._steps(), axis=0)))
 
     def _stepped(self, step: Step, likelihood: Values) -> None:
         if step.before is not None:

@@ -8,9 +8,11 @@ from pathlib import Path
 from placecue.evaluation.report.page import REPORT
 from placecue.evaluation.training_report import INTEGRATOR, RELIABILITY, SEARCHES
 from placecue.logs.writing.annotated import LAYOUT
+from placecue.logs.writing.rerun_log import RECORDING
 from placecue.storage import map_files
 from placecue.storage.belief_table import COLUMNS
 from placecue.storage.manifest import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
+from placecue.storage.scene_graph import SCENE_GRAPH
 
 BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"
@@ -24,7 +26,7 @@ TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
 SUGGESTED = (SUGGESTIONS, REPORT)
 FOR_NAV2 = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
-MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2)
+MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2, SCENE_GRAPH, RECORDING)
 LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, *MAP_FILES)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 

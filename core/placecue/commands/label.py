@@ -14,6 +14,7 @@ from placecue.commands.features import extraction_of
 from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
+from placecue.commands.viewers import check_viewers, recordings, write_viewers, written
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.report.labelling import run_page
@@ -45,7 +46,11 @@ def run(config: dict[str, Any]) -> dict[str, float]:
     notes: list[str] = []
     in_json = as_json.wanted(config)
     semantic_map = label(config, out, tally, notes.append if in_json else print)
-    files_written = [*results(out, bool(tally.counts)), *reporting.written(config, out)]
+    files_written = [
+        *results(out, bool(tally.counts)),
+        *written(config, out),
+        *reporting.written(config, out),
+    ]
     if in_json:
         scores = tally.to_json() if tally.counts else None
         told = {"map": semantic_map.to_json(), "scores": scores, "notes": notes}
@@ -71,6 +76,7 @@ def label(
 
     ``tell`` takes what speaks against the map.
     """
+    check_viewers(config)
     plugins = current_plugins()
     pipeline, log = model_and_log(config, plugins, ("scan", "pose", "label"))
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
@@ -81,6 +87,7 @@ def label(
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
         made(out)
         annotated = stack.enter_context(AnnotatedLog(out / files.ANNOTATED, pipeline.classes))
+        viewers = recordings(config, out, pipeline.classes, stack)
         listeners: list[Listener] = [
             tally,
             surroundings,
@@ -89,12 +96,14 @@ def label(
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
             *([sample] if reported else []),
+            *viewers,
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
         grid = space.grid()
         semantic_map = with_surfaces(semantic_map, grid)
         annotated.close_with(semantic_map)
+        write_viewers(config, viewers, semantic_map, out)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out)
     write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name, config["model"])

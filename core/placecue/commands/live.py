@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
@@ -20,6 +20,7 @@ from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.onlookers import check_onlookers, onlookers_of
 from placecue.commands.paths import path_of
+from placecue.commands.viewers import check_viewers, recordings, write_viewers, written
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
@@ -57,6 +58,7 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         If an option is no such thing, ``log`` no single address, or a port is taken.
     """
     check_onlookers(config)
+    check_viewers(config)
     check_whole("workers", config["workers"], least=1)
     if config["seconds"] is not None:
         check_number("seconds", config["seconds"], above=0)
@@ -70,7 +72,7 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         semantic_map = label(config, pipeline, source, robot, accumulator, tally, pace, out)
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
-    _print(semantic_map, robot, pace, tally, out)
+    _print(semantic_map, robot, pace, tally, out, written(config, out))
     for doubt in call(accumulator, "warnings", check=contracts.texts):
         print(f"note: {doubt}")
     plugins.tell("run_finished", command="live", out=out)
@@ -95,6 +97,7 @@ def label(
         onlookers = onlookers_of(config, source.name, pipeline.classes, shown, stack)
         told = OnlookersTold(onlookers, accumulator, space, config["map_every"])
         made(out)
+        viewers = recordings(config, out, pipeline.classes, stack)
         listeners: list[Listener] = [
             _Until(config["seconds"], robot.stop),
             pace,
@@ -103,12 +106,14 @@ def label(
             space,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(current_plugins()),
+            *viewers,
             told,
         ]
         with stopped_by_interrupt(robot.stop):
             run_log(pipeline, source, listeners, accumulator=accumulator, batch=1)
         print("progress: writing the map", file=sys.stderr, flush=True)
         semantic_map, grid = told.end()
+        write_viewers(config, viewers, semantic_map, out)
         write_map(
             semantic_map, grid, surroundings, pipeline.classes, out, source.name, config["model"]
         )
@@ -161,7 +166,14 @@ def _shown(robot: LiveLog, pace: Pace) -> dict[str, str]:
     }
 
 
-def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, out: Path) -> None:
+def _print(
+    semantic_map: SemanticMap,
+    robot: LiveLog,
+    pace: Pace,
+    tally: Tally,
+    out: Path,
+    more: Sequence[tuple[str, Path]],
+) -> None:
     areas = [area for area in semantic_map.areas if area.label != "unknown"]
     print(f"{len(semantic_map.areas)} areas, {len(areas)} of them labelled")
     median, late = pace.latency
@@ -184,5 +196,6 @@ def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, 
             ("its picture", out / files.PICTURE),
             ("", out / files.DRAWING),
             ("beliefs", out / files.BELIEFS),
+            *more,
         ]
     )

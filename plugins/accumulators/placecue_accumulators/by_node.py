@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +12,22 @@ from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
 from placecue.checks import check_number, check_whole
 from placecue.distribution import doubted, softmax
+from placecue.errors import UsageError
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
 from placecue_accumulators.areas import Way
+from placecue_accumulators.boundaries import Boundaries, Given
 from placecue_accumulators.doubts import Doubts
-from placecue_accumulators.graph import NavigationGraph, Step, within_reach
+from placecue_accumulators.graph import (
+    NavigationGraph,
+    Step,
+    neighbours_of,
+    on_its_side,
+    within_reach,
+)
 from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
 from placecue_accumulators.judging import Judge, accepts, check_judging, judge_for
+from placecue_accumulators.parting import DOOR_HALF_WIDTH
 from placecue_accumulators.time_windows import TimeWindows
 from placecue_accumulators.way import Odometer, is_pose
 
@@ -31,9 +40,12 @@ REACH = 6
 class NodeAccumulator(Accumulator):
     """Gathers evidence at the nodes of the navigation graph; areas are nodes of one label.
 
-    Parameters are those of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
+    Parameters are those of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`, but for
+    ``boundary``: only what is a place of its own, such as a door, ends an area here, and by
+    default nothing does. A door is a node, at which nothing is seen.
     """
 
+    boundary: Given
     bin_x: float
     bin_y: float
     bin_theta: float
@@ -43,6 +55,7 @@ class NodeAccumulator(Accumulator):
     independent: float
     doubt: float
     node_spacing: float
+    gateway_spacing: float
     prior_bins: float
 
     @abstractmethod
@@ -79,9 +92,22 @@ class NodeAccumulator(Accumulator):
         """Take note that the robot is somewhere else, and did not drive there."""
 
     def reset(self) -> None:
-        """Forget everything, as before the first observation."""
+        """Forget everything, as before the first observation.
+
+        Raises
+        ------
+        UsageError
+            If a parameter is out of range, or a boundary no place of its own.
+        """
         self.check_parameters()
-        self.graph_ = NavigationGraph(self.node_spacing)
+        self.boundaries_ = Boundaries.of(self.boundary, [])
+        for each in self.boundaries_.each:
+            if not each.gateway:
+                raise UsageError(
+                    f"this accumulator takes no boundary {type(each).__name__}, as what is "
+                    "believed parts its areas anyway: give doors, or none ([])"
+                )
+        self.graph_ = NavigationGraph(self.node_spacing, self.gateway_spacing)
         self.here_ = ViewpointHistogram(None)
         self.priors_: dict[int, BinSums] = {}
         self.ways_: dict[int, Way] = {}
@@ -105,7 +131,7 @@ class NodeAccumulator(Accumulator):
         pose = observation.pose
         if pose is None or not is_pose(pose):
             return self._unplaced(observation, belief)
-        self._move(pose, observation.stamp)
+        self._move(observation, pose)
         self._walk(pose, observation.stamp)
         if belief is None or not accepts(belief, self.accept_confidence):
             return None
@@ -128,19 +154,23 @@ class NodeAccumulator(Accumulator):
         found = self._probabilities(self._likelihoods(), edges) if classes else np.zeros((n, 0))
         found = doubted(found, self.doubt) if classes else found
         labels = [self._label(row, classes) for row in found]
-        area_of = self._areas(labels, edges)
+        area_of, ways = self._areas(labels, edges), self._ways()
         members: dict[int, list[int]] = {}
         for node, area in enumerate(area_of):
             members.setdefault(area, []).append(node)
         return SemanticMap(
-            areas=tuple(self._area(nodes, labels, found, classes) for nodes in members.values()),
+            areas=tuple(
+                self._area(i, members[i], labels, found, classes, ways) for i in sorted(members)
+            ),
             nodes=tuple(
                 Node(
                     number,
                     place.x,
                     place.y,
                     area_of[number],
-                    probabilities=dict(zip(classes, found[number].tolist(), strict=True)),
+                    place.gateway,
+                    place.heading,
+                    {} if place.gateway else _by_class(classes, found[number]),
                 )
                 for number, place in enumerate(self.graph_.places)
             ),
@@ -163,8 +193,8 @@ class NodeAccumulator(Accumulator):
 
     # ------------------------------------------------------------------ space
 
-    def _move(self, pose: Pose2D, stamp: int) -> None:
-        turn = self.odometer_.follow(pose, stamp)
+    def _move(self, observation: Observation, pose: Pose2D) -> None:
+        turn = self.odometer_.follow(pose, observation.stamp)
         if turn != "on":
             self._store(self.graph_.current)
             self.doubts_.broken(turn, pose)
@@ -173,13 +203,31 @@ class NodeAccumulator(Accumulator):
                 self.graph_.begin_part()
             else:
                 self.graph_.leave()
-        before = self.graph_.current
-        step = self.graph_.visit(pose.x, pose.y)
+        if self.graph_.current is None:  # so that there is a node before any door
+            self._take(self.graph_.visit(pose.x, pose.y), observation.stamp, pose.frame)
+        step = self._door(observation) or self.graph_.visit(pose.x, pose.y)
+        self._take(step, observation.stamp, pose.frame)
+
+    def _door(self, observation: Observation) -> Step | None:
+        """Pass a door that is there, and part edges that turn out to lead through it."""
+        crossed = self.boundaries_.update(observation)
+        if crossed is None:
+            return None
+        door = crossed.pose
+        step = self.graph_.pass_gateway(door.x, door.y, door.theta)
         if step is not None:
-            self.context_ = None
-            seen = self._store(before)
-            if seen is not None:
-                self._stepped(step, seen)
+            self.graph_.part_at(step.node, DOOR_HALF_WIDTH)
+        return step
+
+    def _take(self, step: Step | None, stamp: int, frame: str) -> None:
+        if step is None:
+            return
+        self.context_ = None
+        self.times_.setdefault(step.node, (stamp, stamp))
+        self.frames_.setdefault(step.node, frame)
+        seen = self._store(step.before)
+        if seen is not None:
+            self._stepped(step, seen)
 
     def _store(self, node: int | None) -> Values | None:
         """Add what was seen at a node to what is stored there; return it alone."""
@@ -187,6 +235,8 @@ class NodeAccumulator(Accumulator):
         self.here_.clear()
         if node is None:
             return None
+        if self.graph_.places[node].gateway:
+            sums = BinSums()
         if sums.bins > 0:
             before = self.priors_.get(node, BinSums())
             self.priors_[node] = before.limited(self.prior_bins) + sums
@@ -198,9 +248,8 @@ class NodeAccumulator(Accumulator):
             return
         key = bin_of((pose.x, pose.y), (self.bin_x, self.bin_y))
         self.ways_.setdefault(node, {}).setdefault(key, (pose.x, pose.y))
-        first, last = self.times_.get(node, (stamp, stamp))
+        first, last = self.times_[node]
         self.times_[node] = min(first, stamp), max(last, stamp)
-        self.frames_.setdefault(node, pose.frame)
 
     # ------------------------------------------------------------------ labels
 
@@ -210,17 +259,26 @@ class NodeAccumulator(Accumulator):
         here, rows = self.graph_.current, []
         for node in range(len(self.graph_.places)) if nodes is None else nodes:
             sums = self.priors_.get(node, BinSums())
-            rows.append(self.judge_.likelihoods(sums + self.here_.sums() if node == here else sums))
+            rows.append(self.judge_.likelihoods(sums + self._here() if node == here else sums))
         return np.array(rows).reshape(-1, len(self.judge_.layout.classes))
+
+    def _here(self) -> BinSums:
+        """Return what was seen on this visit of a node; at a door nothing is."""
+        node = self.graph_.current
+        at_door = node is not None and self.graph_.places[node].gateway
+        return BinSums() if at_door else self.here_.sums()
 
     def _label(self, row: Values, classes: Sequence[str]) -> str:
         if not len(row) or row.max() < self.label_probability:
             return UNKNOWN
         return classes[int(row.argmax())]
 
-    @staticmethod
-    def _areas(labels: Sequence[str], edges: Sequence[tuple[int, int]]) -> list[int]:
-        """Return the area of each node: the smallest node of those that hang together."""
+    def _areas(self, labels: Sequence[str], edges: Sequence[tuple[int, int]]) -> list[int]:
+        """Return the area of each node: the smallest of those that hang together without a door.
+
+        A door belongs to the area of its smallest neighbour.
+        """
+        doors = [place.gateway for place in self.graph_.places]
         home = list(range(len(labels)))
 
         def root(node: int) -> int:
@@ -230,27 +288,51 @@ class NodeAccumulator(Accumulator):
             return node
 
         for a, b in edges:
-            if labels[a] == labels[b]:
+            if labels[a] == labels[b] and not (doors[a] or doors[b]):
                 first, second = sorted((root(a), root(b)))
                 home[second] = first
-        return [root(node) for node in range(len(labels))]
+        found = [root(node) for node in range(len(labels))]
+        for a, b in sorted(edges):
+            for door, other in ((a, b), (b, a)):
+                if doors[door] and found[door] == door and found[other] != door:
+                    found[door] = found[other]
+        return found
+
+    def _ways(self) -> dict[int, list[tuple[float, float]]]:
+        """Return the positions at each node; those at a door go to the nodes on their side."""
+        places = self.graph_.places
+        ways = {
+            node: list(way.values()) for node, way in self.ways_.items() if not places[node].gateway
+        }
+        beside = neighbours_of(self.graph_.edges)
+        for door, way in self.ways_.items():
+            if places[door].gateway:
+                for at in way.values():
+                    ways.setdefault(on_its_side(at, door, beside[door], places), []).append(at)
+        return ways
 
     def _area(
-        self, nodes: Sequence[int], labels: Sequence[str], found: Values, classes: Sequence[str]
+        self,
+        number: int,
+        nodes: Sequence[int],
+        labels: Sequence[str],
+        found: Values,
+        classes: Sequence[str],
+        ways: Mapping[int, list[tuple[float, float]]],
     ) -> Area:
-        mean = found[list(nodes)].mean(axis=0).tolist()
-        by_class = dict(zip(classes, mean, strict=True))
-        label = labels[nodes[0]]
+        rooms = [node for node in nodes if not self.graph_.places[node].gateway]
+        by_class = _by_class(classes, found[rooms].mean(axis=0)) if rooms else {}
+        label = labels[rooms[0]] if rooms else UNKNOWN
         times = [self.times_[node] for node in nodes]
         return Area(
-            id=nodes[0],
+            id=number,
             label=label,
             confidence=by_class.get(label, 0.0),
             probabilities=by_class,
             start=min(first for first, _ in times),
             end=max(last for _, last in times),
-            frame=self.frames_[nodes[0]],
-            trajectory=tuple(at for node in nodes for at in self.ways_[node].values()),
+            frame=self.frames_[number],
+            trajectory=tuple(at for node in nodes for at in ways.get(node, ())),
         )
 
     def _news(self) -> AreaUpdate | None:
@@ -259,7 +341,7 @@ class NodeAccumulator(Accumulator):
             return None
         if self.context_ is None:
             self.context_ = self._context()
-        sums = self.priors_.get(node, BinSums()) + self.here_.sums()
+        sums = self.priors_.get(node, BinSums()) + self.here_.sums()  # behind a door too
         found = self.context_ * self._alone(judge.likelihoods(sums))
         found = doubted(found / found.sum(), self.doubt)
         label = self._label(found, judge.layout.classes)
@@ -276,7 +358,12 @@ class NodeAccumulator(Accumulator):
         """Raise UsageError if a size is not positive or a share not between 0 and 1."""
         for name in ("bin_x", "bin_y", "bin_theta", "node_spacing", "prior_bins"):
             check_number(name, getattr(self, name), above=0)
+        check_number("gateway_spacing", self.gateway_spacing, least=0)
         check_judging(self)
         for name in ("rounds", "lag"):
             if hasattr(self, name):
                 check_whole(name, getattr(self, name), least=1)
+
+
+def _by_class(classes: Sequence[str], row: Values) -> dict[str, float]:
+    return dict(zip(classes, row.tolist(), strict=True))

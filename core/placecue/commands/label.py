@@ -105,7 +105,7 @@ def label(
         annotated.close_with(semantic_map)
         write_viewers(config, viewers, semantic_map, out)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
-    write_layout(out)
+    write_layout(out, semantic_map.frame)
     write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name, config["model"])
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())

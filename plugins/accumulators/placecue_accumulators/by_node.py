@@ -117,14 +117,17 @@ class NodeAccumulator(Accumulator):
         self.judge_: Judge | None = None
         self.doubts_ = Doubts()
         self.windows_ = TimeWindows()
-        self.said_: tuple[int, str] | None = None
+        self.at_: tuple[int, str] | None = None  # the node, and its label
+        self.said_: tuple[int, str] | None = None  # the area, and its label
+        self.labels_: dict[int, str] = {}  # that were said of nodes; doors have none
         self.context_: Values | None = None  # of the node that the robot is at
 
     def update(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in the next observation; see :class:`placecue.Accumulator`.
 
-        The update names the node that the robot is at, and its label by what was seen there and
-        nearby so far: areas are found when the map is asked for.
+        The update tells the label of the node that the robot is at, by what was seen there and
+        nearby so far, and the area by labels said before: when the map is asked for, all nodes
+        are labelled anew.
         """
         if not hasattr(self, "graph_"):
             self.reset()
@@ -345,10 +348,26 @@ class NodeAccumulator(Accumulator):
         found = self.context_ * self._alone(judge.likelihoods(sums))
         found = doubted(found / found.sum(), self.doubt)
         label = self._label(found, judge.layout.classes)
-        if self.said_ == (node, label):
+        if self.at_ == (node, label):
             return None
-        self.said_ = node, label
-        return AreaUpdate(node, label, float(found.max()) if label != UNKNOWN else 0.0)
+        self.at_ = node, label
+        area = self._area_of(node, label)
+        if self.said_ == (area, label):
+            return None
+        self.said_ = area, label
+        return AreaUpdate(area, label, float(found.max()) if label != UNKNOWN else 0.0)
+
+    def _area_of(self, node: int, label: str) -> int:
+        """Return the area that a node is in, by the labels that were said; a door's is the last."""
+        if self.graph_.places[node].gateway:
+            return node if self.said_ is None else self.said_[0]
+        self.labels_[node] = label
+        beside, found, outer = neighbours_of(self.graph_.edges), {node}, {node}
+        while outer:
+            reached = {other for each in outer for other in beside[each]} - found
+            outer = {other for other in reached if self.labels_.get(other) == label}
+            found |= outer
+        return min(found)
 
     def _judge_of(self, belief: Belief) -> Judge:
         self.judge_ = judge_for(self, belief, 0.0)

@@ -18,7 +18,7 @@ BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"
 SUGGESTIONS = "suggestions.csv"
 MAP, GEOJSON = "semantic_map.json", "semantic_map.geojson"
-PICTURE, DRAWING = "semantic_map.png", "semantic_map.svg"
+PICTURE, DRAWING, FILM = "semantic_map.png", "semantic_map.svg", "film.png"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
 EVALUATED = ("experiment.json", "results.csv", REPORT)
@@ -26,7 +26,7 @@ TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
 SUGGESTED = (SUGGESTIONS, REPORT)
 FOR_NAV2 = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
-MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2, SCENE_GRAPH, RECORDING)
+MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2, FILM, SCENE_GRAPH, RECORDING)
 LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, *MAP_FILES)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 

@@ -14,7 +14,7 @@ from placecue.commands.features import extraction_of
 from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
-from placecue.commands.viewers import check_viewers, recordings, write_viewers, written
+from placecue.commands.viewers import Viewers, check_viewers, written
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.report.labelling import run_page
@@ -87,7 +87,7 @@ def label(
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
         made(out)
         annotated = stack.enter_context(AnnotatedLog(out / files.ANNOTATED, pipeline.classes))
-        viewers = recordings(config, out, pipeline.classes, stack)
+        viewers = Viewers(config, out, pipeline.classes, accumulator, space, stack)
         listeners: list[Listener] = [
             tally,
             surroundings,
@@ -96,14 +96,14 @@ def label(
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
             *([sample] if reported else []),
-            *viewers,
+            *viewers.listeners,
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
         grid = space.grid()
         semantic_map = with_surfaces(semantic_map, grid)
         annotated.close_with(semantic_map)
-        write_viewers(config, viewers, semantic_map, out)
+        viewers.close_with(semantic_map)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
     write_layout(out, semantic_map.frame)
     write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name, config["model"])

@@ -20,7 +20,7 @@ from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.onlookers import check_onlookers, onlookers_of
 from placecue.commands.paths import path_of
-from placecue.commands.viewers import check_viewers, recordings, write_viewers, written
+from placecue.commands.viewers import Viewers, check_viewers, written
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
@@ -97,7 +97,7 @@ def label(
         onlookers = onlookers_of(config, source.name, pipeline.classes, shown, stack)
         told = OnlookersTold(onlookers, accumulator, space, config["map_every"])
         made(out)
-        viewers = recordings(config, out, pipeline.classes, stack)
+        viewers = Viewers(config, out, pipeline.classes, accumulator, space, stack)
         listeners: list[Listener] = [
             _Until(config["seconds"], robot.stop),
             pace,
@@ -106,14 +106,14 @@ def label(
             space,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(current_plugins()),
-            *viewers,
+            *viewers.listeners,
             told,
         ]
         with stopped_by_interrupt(robot.stop):
             run_log(pipeline, source, listeners, accumulator=accumulator, batch=1)
         print("progress: writing the map", file=sys.stderr, flush=True)
         semantic_map, grid = told.end()
-        write_viewers(config, viewers, semantic_map, out)
+        viewers.close_with(semantic_map)
         write_map(
             semantic_map, grid, surroundings, pipeline.classes, out, source.name, config["model"]
         )

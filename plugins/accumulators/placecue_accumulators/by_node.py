@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ from placecue_accumulators.graph import (
     on_its_side,
     within_reach,
 )
-from placecue_accumulators.histogram import BinSums, ViewpointHistogram, bin_of
+from placecue_accumulators.histogram import BinSums, Key, ViewpointHistogram, bin_of
 from placecue_accumulators.judging import Judge, accepts, check_judging, judge_for
 from placecue_accumulators.parting import DOOR_HALF_WIDTH
 from placecue_accumulators.time_windows import TimeWindows
@@ -138,10 +139,8 @@ class NodeAccumulator(Accumulator):
         self._walk(pose, observation.stamp)
         if belief is None or not accepts(belief, self.accept_confidence):
             return None
-        viewpoint = (pose.x, pose.y, self.odometer_.theta)
-        sizes = (self.bin_x, self.bin_y, self.bin_theta)
         self._judge_of(belief)
-        self.here_.add(bin_of(viewpoint, sizes), belief.scores.values[0])
+        self.here_.add(self._viewpoint(pose), belief.scores.values[0])
         self.doubts_.count(belief.label)
         return self._news()
 
@@ -244,6 +243,12 @@ class NodeAccumulator(Accumulator):
             before = self.priors_.get(node, BinSums())
             self.priors_[node] = before.limited(self.prior_bins) + sums
         return None if self.judge_ is None else self.judge_.likelihoods(sums)
+
+    def _viewpoint(self, pose: Pose2D) -> Key:
+        """Return the bin of a pose; one who turns on the spot holds no more than a full turn."""
+        sizes = (self.bin_x, self.bin_y, self.bin_theta)
+        x, y, turned = bin_of((pose.x, pose.y, self.odometer_.theta), sizes)
+        return x, y, turned % round(2 * pi / self.bin_theta)
 
     def _walk(self, pose: Pose2D, stamp: int) -> None:
         node = self.graph_.current

@@ -98,8 +98,10 @@ class Film:
         if self._begin is None:
             return []
         found = [each for each in self._stills if each.seconds < self._seconds]
-        chosen = np.linspace(0, len(found), self.count + 1).round().astype(int)[1:-1]
-        return [*(found[row - 1] for row in sorted(set(chosen.tolist()) - {0})), self._still()]
+        wanted = self._seconds * np.arange(1, self.count) / self.count
+        times = np.array([each.seconds for each in found])
+        rows = {int(np.abs(times - each).argmin()) for each in wanted} if found else set()
+        return [*(found[row] for row in sorted(rows)), self._still()]
 
     @property
     def _seconds(self) -> float:

@@ -61,7 +61,7 @@ def _percent(share: float | None) -> str:
 
 
 def _logs(found: Found, tests: Sequence[Test]) -> str:
-    heads = ["log", "single", "accumulator", "way", "unknown", "nodes", "areas right"]
+    heads = ["log", "single", "accumulator", "way", "live", "unknown", "nodes", "areas right"]
     heads += ["over 10 observations", "free space", "delay (s)", "never"]
     rows = []
     for test in tests:
@@ -72,6 +72,7 @@ def _logs(found: Found, tests: Sequence[Test]) -> str:
                 _percent(of["single"]),
                 name,
                 _percent(of["way"]),
+                _percent(of["live"]),
                 _percent(of["unknown"]),
                 _percent(of["nodes"]),
                 f"{of['right']} of {of['areas']}",

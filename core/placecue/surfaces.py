@@ -58,12 +58,15 @@ def shared_out(semantic_map: SemanticMap, grid: Grid, reach: float) -> Owners:
     free = grid.states == FREE
     doors = _doors(semantic_map, grid) & free
     owners = np.full(free.shape, NOBODY, np.int32)
-    for row, area in reversed(list(enumerate(semantic_map.areas))):
-        for i, j in grid.cells_of(_seeds(semantic_map, area, grid.frame)):
-            if free[i, j]:
-                owners[i, j] = row
-    owners[doors] = NOBODY
-    _spread(owners, free & ~doors, round(reach / grid.cell))
+    # What lies between two doors is reached from nowhere else than the way at the doors.
+    for at_doors in (False, True):
+        new, left = np.full_like(owners, NOBODY), free & ~doors & (owners == NOBODY)
+        for row, area in enumerate(semantic_map.areas):
+            for i, j in grid.cells_of(_seeds(semantic_map, area, grid.frame, at_doors)):
+                if left[i, j] and new[i, j] == NOBODY:
+                    new[i, j] = row
+        _spread(new, left, round(reach / grid.cell))
+        owners = np.where(owners == NOBODY, new, owners)
     _spread(owners, free & (doors | (owners != NOBODY)), round(DOOR_HALF_WIDTH / grid.cell))
     return owners
 
@@ -82,14 +85,17 @@ def surface_of(mask: NDArray[np.bool_], grid: Grid) -> tuple[Polygon, ...]:
     )
 
 
-def _seeds(semantic_map: SemanticMap, area: Area, frame: str) -> NDArray[np.float64]:
+def _seeds(
+    semantic_map: SemanticMap, area: Area, frame: str, at_doors: bool
+) -> NDArray[np.float64]:
+    """Return where an area was seen for sure, or all of its way, m."""
     if area.frame != frame:
         return np.empty((0, 2))
     nodes = [(n.x, n.y) for n in semantic_map.nodes if n.area == area.id and not n.gateway]
-    way = _away_from_doors(semantic_map, np.array(area.trajectory).reshape(-1, 2))
-    if not nodes and not len(way):  # it lies at a door altogether
-        way = np.array(area.trajectory)
-    return np.concatenate([way.reshape(-1, 2), np.array(nodes).reshape(-1, 2)])
+    way = np.array(area.trajectory).reshape(-1, 2)
+    if not at_doors:
+        way = _away_from_doors(semantic_map, way)
+    return np.concatenate([way, np.array(nodes).reshape(-1, 2)])
 
 
 def _away_from_doors(semantic_map: SemanticMap, way: NDArray[np.float64]) -> NDArray[np.float64]:

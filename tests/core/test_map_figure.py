@@ -57,7 +57,7 @@ def test_the_legend_has_what_is_there_only():
     made = SemanticMap(made.areas, (*made.nodes, gateway), made.edges, CLASSES)
     seen, way = np.array([[0.0, 1.0]]), [(0.0, 0.0, "office")]
     figure = map_figure(made, points=seen, beliefs=way, truth=way)
-    others = ["door passed", "seen by the laser", "single belief", "true class (around a belief)"]
+    others = ["door passed", "seen by the laser", "single belief", "true class (ring)"]
     assert legend(figure) == ["kitchen", "office", "unknown", *others]
 
 

@@ -128,6 +128,23 @@ def test_a_way_that_is_handed_over_behind_the_door_takes_nothing_there():
     assert kitchen.size == pytest.approx(6, abs=0.11)
 
 
+def test_what_lies_between_two_doors_has_its_owner_too():
+    made, grid = two_rooms()
+    door = replace(made.nodes[1], id=9, x=4.4)
+    nook = replace(made.areas[1], id=2, label="office", trajectory=((4.0, 1.2),))
+    far = replace(made.areas[1], trajectory=((5.9, 1.2),))
+    nodes = (made.nodes[0], made.nodes[1], door, replace(made.nodes[2], x=5.9))
+    nodes += (Node(3, 4.0, 1.2, 2),)
+    areas = (made.areas[0], far, nook)
+    states = grid.states.copy()
+    states[2:7, 44:46] = states[17:22, 44:46] = UNSEEN  # a wall with the second door in it
+    shared = with_surfaces(SemanticMap(areas, nodes, (), CLASSES), replace(grid, states=states))
+    assert shared.at(3.8, 1.2).id == 2
+    assert shared.at(5.5, 1.2).id == 1
+    bare = SemanticMap(areas, nodes[:-1], (), CLASSES)  # no node: its way is at doors altogether
+    assert with_surfaces(bare, replace(grid, states=states)).at(3.8, 1.2).id == 2
+
+
 def test_hits_where_it_is_free_later_are_no_walls():
     grid = two_rooms()[1]
     points = np.array([[1.0, 1.2], [0.2, 1.2], [2.0, 0.0], [50.0, 50.0]])  # inside, edge, beyond

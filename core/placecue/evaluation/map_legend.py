@@ -77,6 +77,5 @@ def _others(shown: Shown) -> list[tuple[tuple[Artist, ...], str]]:
         *[((Line2D([], [], color="black", linewidth=3.5),), "door passed")] * shown.doors,
         *[(mark("s", 6, WALL), "seen by the laser")] * shown.walls,
         *[(mark("o", 3), "single belief")] * shown.beliefs,
-        *[(mark("o", 6), "true class (around a belief)" if shown.beliefs else "true class")]
-        * shown.truth,
+        *[(mark("o", 6), "true class (ring)" if shown.beliefs else "true class")] * shown.truth,
     ]

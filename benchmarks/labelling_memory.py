@@ -197,7 +197,7 @@ def main(folder: Path) -> None:
     whole = round(sum(hours for _, hours in DRIVE) * 12)
     if not path.exists() or sum(1 for _ in path.open()) < whole:
         measure(path)
-    rows = list(csv.DictReader(path.open()))
+    rows = list(csv.DictReader(path.open()))[1:]  # before the first what is used was not loaded
     draw(rows, DOCS / "labelling_memory.png")
     put(DOCS / "live.md", {"memory": summary(rows)})
 

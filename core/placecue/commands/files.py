@@ -26,7 +26,9 @@ TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT)
 SUGGESTED = (SUGGESTIONS, REPORT)
 FOR_NAV2 = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
-MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2, FILM, SCENE_GRAPH, RECORDING)
+MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2)
+#: Written only where they are asked for.
+ON_REQUEST = (FILM, SCENE_GRAPH, RECORDING)
 LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, *MAP_FILES)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 
@@ -42,7 +44,7 @@ def of_older_run(folder: Path) -> list[Path]:
         searches = [f"{SEARCHES}/{name}" for name in (*cues, INTEGRATOR)]
         names.update(TRAINED, *((f"{name}.md", f"{name}.png") for name in searches))
     if _is_belief_table(folder / BELIEFS):
-        names.update(CLASSIFIED, LABELLED)
+        names.update(CLASSIFIED, LABELLED, ON_REQUEST)
     return sorted(path for name in names if (path := folder / name).is_file())
 
 

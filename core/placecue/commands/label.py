@@ -31,7 +31,7 @@ from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 from placecue.surfaces import with_surfaces
 
-WRITES = files.LABELLED
+WRITES = (*files.LABELLED, *files.ON_REQUEST)
 
 
 def run(config: dict[str, Any]) -> dict[str, float]:

@@ -164,7 +164,8 @@ def draw(rows: list[dict[str, str]], path: Path) -> None:
     colours = {"new": "#0072B2", "stands": "#E69F00", "turns": "#D55E00", "known": "#009E73"}
     for what, colour in colours.items():
         at = [(float(r["hours"]), float(r["MB"])) for r in rows if r["doing"] == what]
-        axes.plot(*zip(*at, strict=True), "o", color=colour, markersize=4, label=f"{what}")
+        if at:
+            axes.plot(*zip(*at, strict=True), "o", color=colour, markersize=4, label=what)
     axes.set_xlabel("time (h)")
     axes.set_ylabel("memory of the process (MB)")
     axes.set_ylim(0)

@@ -25,11 +25,11 @@ def main(folder: Path) -> None:
     known = Outcomes(folder / "reporting.jsonl", data, whole=True)
     halves = {half: [t for t in tests() if t.half == half] for half in ("tuning", "reporting")}
     found = {}
-    for words in [*ACCUMULATORS.values(), AS_SCORED]:
-        for test in [*halves["reporting"], *halves["tuning"]]:
+    for test in [*halves["reporting"], *halves["tuning"]]:
+        for words in [*ACCUMULATORS.values(), AS_SCORED]:
             [outcome] = known.of(words, [test])
             found[" ".join(words), test.name] = outcome
-            print(" ".join(words) or "spatiotemporal", test.name, outcome["way"], flush=True)
+            print(" ".join(words) or "crf", test.name, outcome["way"], flush=True)
     write(PAGE, found, halves)
 
 

@@ -20,6 +20,7 @@ from placecue.components.build import build, plain
 from placecue.components.options import register_with_hydra
 from placecue.evaluation.area_scores import AreaTally, Distribution, TruthAt
 from placecue.free_space import FreeSpace, Grid
+from placecue.semantic_map import UNKNOWN
 
 Outcome = dict[str, Any]
 
@@ -46,14 +47,28 @@ def labelled(
     free: Grid | None = None,
     truth_at: TruthAt | None = None,
 ) -> tuple[SemanticMap, Outcome]:
-    """Label a log; return the map and what it is worth, doorways left out."""
-    tally = AreaTally(["doorway"])
+    """Label a log; return the map and what it is worth, doorways left out.
+
+    ``live`` is the share of moments at which the label that was said then was right.
+    """
+    tally, now = AreaTally(["doorway"]), UNKNOWN
+    said: list[bool] = []
     for seen, belief in moments:
-        tally.observe(seen, belief, by.update(seen, belief))
+        update = by.update(seen, belief)
+        tally.observe(seen, belief, update)
+        now = now if update is None or update.finished else update.label
+        if seen.pose is not None and seen.label not in (None, "doorway"):
+            said.append(now == seen.label)
     made = by.semantic_map()
     scores = asdict(tally.scores(made, free, truth_at))
     areas, nodes = tally.distributions(made)
-    return made, {**scores, "areas_said": _said(areas), "nodes_said": _said(nodes)}
+    live = sum(said) / len(said) if said else None
+    return made, {
+        **scores,
+        "live": live,
+        "areas_said": _said(areas),
+        "nodes_said": _said(nodes),
+    }
 
 
 def singles(moments: Moments) -> dict[str, int]:

@@ -14,13 +14,13 @@ from tables import put, table
 PAGE = Path(__file__).parents[1] / "docs" / "labelling.md"
 #: What is compared, and the words after ``placecue label`` that choose it.
 ACCUMULATORS = {
-    "spatiotemporal": [],
+    "crf": [],
+    "spatiotemporal": ["accumulator=spatiotemporal"],
     "hmm": ["accumulator=hmm"],
-    "crf": ["accumulator=crf"],
     "relaxation": ["accumulator=relaxation"],
 }
 #: Scores taken for as sure as those of any support vector machine.
-AS_SCORED = ["accumulator.sharpness=3"]
+AS_SCORED = ["accumulator.sharpness=3"]  # of the default
 #: Logs by how far they are from what a model was trained on.
 GROUPS: Mapping[str, Callable[[Test], bool]] = {
     "tuning, floor seen before": lambda t: t.half == "tuning" and _own(t),
@@ -61,7 +61,7 @@ def _percent(share: float | None) -> str:
 
 
 def _logs(found: Found, tests: Sequence[Test]) -> str:
-    heads = ["log", "single", "accumulator", "way", "unknown", "nodes", "areas right"]
+    heads = ["log", "single", "accumulator", "way", "live", "unknown", "nodes", "areas right"]
     heads += ["over 10 observations", "free space", "delay (s)", "never"]
     rows = []
     for test in tests:
@@ -72,6 +72,7 @@ def _logs(found: Found, tests: Sequence[Test]) -> str:
                 _percent(of["single"]),
                 name,
                 _percent(of["way"]),
+                _percent(of["live"]),
                 _percent(of["unknown"]),
                 _percent(of["nodes"]),
                 f"{of['right']} of {of['areas']}",
@@ -124,7 +125,7 @@ def _calibration(found: Found, tests: Sequence[Test]) -> str:
     rows = []
     for group, belongs in GROUPS.items():
         some = [test for test in tests if belongs(test)]
-        for name, words in {**ACCUMULATORS, "spatiotemporal, sharpness=3": AS_SCORED}.items():
+        for name, words in {**ACCUMULATORS, "crf, sharpness=3": AS_SCORED}.items():
             cells = []
             for part in ("areas_said", "nodes_said"):
                 said = _said(found, words, some, part)

@@ -58,6 +58,15 @@ class Grid:
         inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
         return np.asarray(np.column_stack([rows, columns])[inside])
 
+    def state_at(self, points: NDArray[np.float64]) -> NDArray[np.uint8]:
+        """Return what is known of positions (m, shape (n, 2)); UNSEEN outside."""
+        columns, rows = np.floor((points - [self.x, self.y]) / self.cell).astype(np.int64).T
+        height, width = self.states.shape
+        inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        found = np.full(len(points), UNSEEN)
+        found[inside] = self.states[rows[inside], columns[inside]]
+        return found
+
 
 class FreeSpace:
     """Gathers free and occupied cells; a listener.

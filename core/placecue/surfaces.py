@@ -15,6 +15,8 @@ from placecue.semantic_map import Area, SemanticMap
 NOBODY = -1
 #: From the middle of a door to where its wall surely begins, m.
 DOOR_HALF_WIDTH = 0.6
+#: Nearer to a door it is not sure which of its two areas a position of the way lies in, m.
+DOOR_APRON = 1.0
 
 Owners = NDArray[np.int32]
 
@@ -56,12 +58,15 @@ def shared_out(semantic_map: SemanticMap, grid: Grid, reach: float) -> Owners:
     free = grid.states == FREE
     doors = _doors(semantic_map, grid) & free
     owners = np.full(free.shape, NOBODY, np.int32)
-    for row, area in reversed(list(enumerate(semantic_map.areas))):
-        for i, j in grid.cells_of(_seeds(semantic_map, area, grid.frame)):
-            if free[i, j]:
-                owners[i, j] = row
-    owners[doors] = NOBODY
-    _spread(owners, free & ~doors, round(reach / grid.cell))
+    # What lies between two doors is reached from nowhere else than the way at the doors.
+    for at_doors in (False, True):
+        new, left = np.full_like(owners, NOBODY), free & ~doors & (owners == NOBODY)
+        for row, area in enumerate(semantic_map.areas):
+            for i, j in grid.cells_of(_seeds(semantic_map, area, grid.frame, at_doors)):
+                if left[i, j] and new[i, j] == NOBODY:
+                    new[i, j] = row
+        _spread(new, left, round(reach / grid.cell))
+        owners = np.where(owners == NOBODY, new, owners)
     _spread(owners, free & (doors | (owners != NOBODY)), round(DOOR_HALF_WIDTH / grid.cell))
     return owners
 
@@ -80,11 +85,25 @@ def surface_of(mask: NDArray[np.bool_], grid: Grid) -> tuple[Polygon, ...]:
     )
 
 
-def _seeds(semantic_map: SemanticMap, area: Area, frame: str) -> NDArray[np.float64]:
+def _seeds(
+    semantic_map: SemanticMap, area: Area, frame: str, at_doors: bool
+) -> NDArray[np.float64]:
+    """Return where an area was seen for sure, or all of its way, m."""
     if area.frame != frame:
         return np.empty((0, 2))
     nodes = [(n.x, n.y) for n in semantic_map.nodes if n.area == area.id and not n.gateway]
-    return np.array([*area.trajectory, *nodes], dtype=np.float64).reshape(-1, 2)
+    way = np.array(area.trajectory).reshape(-1, 2)
+    if not at_doors:
+        way = _away_from_doors(semantic_map, way)
+    return np.concatenate([way, np.array(nodes).reshape(-1, 2)])
+
+
+def _away_from_doors(semantic_map: SemanticMap, way: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the positions that are not at a door: there the way is handed over late or early."""
+    for node in semantic_map.nodes:
+        if node.gateway:
+            way = way[np.hypot(way[:, 0] - node.x, way[:, 1] - node.y) > DOOR_APRON]
+    return way
 
 
 def _doors(semantic_map: SemanticMap, grid: Grid) -> NDArray[np.bool_]:

@@ -1,5 +1,7 @@
 """Logs as they come: without poses, without scans, cut, begun in a doorway, of one observation."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -173,3 +175,46 @@ def test_an_hour_of_standing_and_rounds_over_known_ground_hold_nothing_more():
         held.append((len(made.nodes), len(made.edges), sum(len(a.trajectory) for a in made.areas)))
     assert held[-1] == held[2]
     assert len(made.areas) <= 3
+
+
+FIELD = partial(RandomField, boundary=[Door()])
+
+
+def test_nodes_with_doors_part_rooms_where_scans_come_and_go_too():
+    way = np.arange(-4, 4, 0.1)
+    whole = through(FIELD(), way, rooms)
+    assert [area.label for area in whole.areas] == ["office", "kitchen"]
+    assert sum(node.gateway for node in whole.nodes) == 1
+    assert max(x for x, _ in whole.areas[0].trajectory) <= min(
+        x for x, _ in whole.areas[1].trajectory
+    )
+    blind = through(FIELD(), way, rooms, scans=lambda x: False)
+    assert [area.label for area in blind.areas] == ["office", "kitchen"]
+    begun = through(FIELD(), np.arange(0, 4, 0.1), rooms)
+    assert [area.label for area in begun.areas if area.label != "unknown"] == ["kitchen"]
+    assert {node.area for node in begun.nodes} == {area.id for area in begun.areas}
+
+
+def test_a_door_that_was_not_seen_on_the_way_in_parts_nodes_of_one_label():
+    accumulator, way = FIELD(), np.arange(-4, 4, 0.1)
+    through(accumulator, way, lambda x: says("office"), scans=lambda x: False)
+    assert len(accumulator.semantic_map().areas) == 1
+    made = through(accumulator, way[::-1], lambda x: says("office"), start=1000)
+    assert [area.label for area in made.areas] == ["office", "office"]
+    for area in made.areas:
+        assert len({x < 0 for x, _ in area.trajectory if abs(x) > 1}) == 1
+
+
+@pytest.mark.parametrize("kind", [HiddenMarkov, RandomField, Relaxation])
+def test_nodes_hold_nothing_more_of_a_robot_that_stands_and_turns(kind):
+    accumulator, held = kind(), []
+    for turn in range(4):
+        way = np.arange(-2, 2, 0.1)
+        through(accumulator, way if turn % 2 == 0 else way[::-1], rooms, start=turn * 1000)
+        for i in range(300):
+            pose = Pose2D(2.0, 0.0, 0.5 * i)
+            accumulator.update(Observation((turn * 1000 + 100 + i) * SECOND, pose=pose), rooms(2.0))
+        made = accumulator.semantic_map()
+        assert accumulator.here_.sums().bins <= 2 * np.pi / 0.1 + 10  # and those of the way there
+        held.append((len(made.nodes), len(made.edges), sum(len(a.trajectory) for a in made.areas)))
+    assert held[-1] == held[1]

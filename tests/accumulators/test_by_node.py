@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
-from placecue import Observation, Pose2D, Scores, SemanticMap, UsageError
+from placecue import Boundary, Observation, Pose2D, Scores, SemanticMap, UsageError
 from placecue.belief import Belief
 from placecue.scores import OneAgainstAll
 from placecue_accumulators.crf import RandomField
 from placecue_accumulators.hmm import HiddenMarkov
 from placecue_accumulators.neighbours import Neighbours
+from placecue_accumulators.node import NodeLeft
 from placecue_accumulators.relaxation import Relaxation
 
 CLASSES = ("corridor", "kitchen", "office", "printer")
@@ -114,6 +115,75 @@ def test_the_hmm_knows_where_it_is():
     assert CLASSES[accumulator.filtered().argmax()] == "office"
     drive(accumulator, WAY[90:], two_rooms, start=90)
     assert CLASSES[accumulator.filtered().argmax()] == "kitchen"
+
+
+def test_what_is_said_on_the_way_is_what_the_map_says_of_the_node():
+    accumulator = RandomField()
+    for part in (WAY[:35], WAY[35:65]):  # of so short a chain no part is out of reach
+        drive(accumulator, part, lambda _: says("office"))
+        accumulator.at_ = accumulator.said_ = None  # say it again
+        pose = Pose2D(float(part[-1]), 0.0, 0.0)
+        update = accumulator.update(Observation(100, pose=pose), says("kitchen", 0.1))
+        made = accumulator.semantic_map()
+        assert (update.area, update.label) == (0, "office")
+        assert update.confidence == pytest.approx(made.nodes[-1].probabilities["office"])
+
+
+class DoorsAt(Boundary):
+    """Doors across the way at known places."""
+
+    def __init__(self, at=()):
+        self.at = at
+
+    def reset(self):
+        pass
+
+    def update(self, observation):
+        pose = observation.pose
+        near = [x for x in self.at if abs(pose.x - x) < 0.06]
+        return Pose2D(near[0], 0.0, pose.theta) if near else None
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_door_parts_areas_of_one_label_and_belongs_to_the_first(kind):
+    accumulator = kind(boundary=[DoorsAt((10.0,))])
+    made = drive(accumulator, WAY, lambda _: says("office"))
+    assert [area.label for area in made.areas] == ["office", "office"]
+    first, second = made.areas
+    assert max(x for x, _ in first.trajectory) <= 10.0 < min(x for x, _ in second.trajectory) + 0.1
+    [door] = [node for node in made.nodes if node.gateway]
+    assert (door.x, door.area, door.probabilities) == (10.0, first.id, {})
+    again = drive(accumulator, WAY[::-1], lambda _: says("office"), start=500)
+    assert (len(again.nodes), len(again.areas)) == (len(made.nodes), 2)
+
+
+def test_what_is_said_of_areas_is_in_the_map():
+    accumulator, said = RandomField(boundary=[DoorsAt((5.0,))]), []
+    for i, x in enumerate(WAY):
+        update = accumulator.update(Observation(i, pose=Pose2D(float(x), 0, 0)), two_rooms(x))
+        said += [update] if update else []
+    areas = {area.id: area.label for area in accumulator.semantic_map().areas}
+    assert list(areas.values()) == ["office", "office", "kitchen"]
+    assert [u.area for u in said] == list(areas)
+    assert {u.area: u.label for u in said} == areas
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_log_that_begins_in_a_door_and_a_boundary_that_is_no_place(kind):
+    made = drive(kind(boundary=DoorsAt((0.0,))), [0.0], lambda _: says("office"))
+    assert [node.gateway for node in made.nodes] == [False, True]
+    assert {node.area for node in made.nodes} == {area.id for area in made.areas}
+    with pytest.raises(UsageError, match="NodeLeft"):
+        kind(boundary=NodeLeft()).reset()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_strange_belief_at_a_new_node_does_not_change_where_the_robot_is(kind):
+    accumulator = kind()
+    drive(accumulator, WAY[:42], lambda _: says("office"))
+    there = Pose2D(5.2, 0, 0)
+    assert accumulator.update(Observation(42, pose=there), says("kitchen", 0.15)) is None
+    assert accumulator.update(Observation(43, pose=there), says("kitchen", 9.0)).label == "kitchen"
 
 
 def test_learned_transitions_rule_out_what_never_follows(tmp_path):

@@ -160,6 +160,12 @@ def test_a_parameter_of_a_component_inside(
             "open_beams must be a whole number, got 1.5",
         ),
         (["model="], "model must be a path, got '': give model=PATH"),
+        (["viewer=rviz"], "viewer is 'rviz'; available: rerun"),
+        (["film=0"], "film is 0; give a whole number of at least 1"),
+        (
+            ["boundaries@accumulator.boundary=[evidence]"],
+            "this accumulator takes no boundary ChangedEvidence",
+        ),
     ],
 )
 def test_values_that_cannot_be_in_labelling(

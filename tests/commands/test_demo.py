@@ -27,7 +27,7 @@ def test_the_demo(tmp_path: Path) -> None:
     shown, _, following = told.out.partition("\ndone in ")
     last = [line.split()[-1] for line in shown.splitlines() if line]
     named = {Path(word) for word in last if word.startswith(str(out))}
-    assert len(named) == 14
+    assert len(named) == 15
     for path in named:
         assert list(path.parent.glob(path.name)), path
     made = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}

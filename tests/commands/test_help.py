@@ -66,7 +66,7 @@ def test_help_has_five_examples_and_fits_its_command() -> None:
     assert len(examples) == 5
     assert all(line.startswith("  placecue train ") for line in examples)
     assert "accumulator" not in told
-    assert "accumulator=spatiotemporal" in succeeds("label", "--help").out
+    assert "accumulator=crf" in succeeds("label", "--help").out
     assert "cues.crfh.bins" not in succeeds("train", "cue=laser", "-h").out
     assert "source.laser " in succeeds("convert", "source=carmen", "--help").out
 

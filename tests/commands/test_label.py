@@ -15,7 +15,13 @@ from rooms import ROOMS
 
 FILES = {
     *("annotated.mcap", "beliefs.csv", "metrics.json", "placecue_layout.json"),
-    *("report.html", "semantic_map.geojson", "semantic_map.json", "semantic_map.png"),
+    *(
+        "report.html",
+        "semantic_map.geojson",
+        "semantic_map.json",
+        "semantic_map.png",
+        "semantic_map.svg",
+    ),
     *("map.pgm", "map.yaml", "nodes.csv", "route_graph.geojson"),
 }
 
@@ -28,7 +34,8 @@ def room_at(x: float) -> str:
 @pytest.mark.parametrize("boundary", ["door", "door_noisy", "never", "node", "[door,evidence]"])
 def test_every_boundary(tmp_path: Path, model: Path, log_b: Path, boundary: str) -> None:
     out, chosen = tmp_path / "out", f"boundaries@accumulator.boundary={boundary}"
-    told = succeeds("label", f"model={model}", f"log={log_b}", chosen, f"out={out}")
+    words = ["accumulator=spatiotemporal", chosen]
+    told = succeeds("label", f"model={model}", f"log={log_b}", *words, f"out={out}")
     assert {path.name for path in out.iterdir()} == FILES
     data = json.loads((out / "semantic_map.json").read_text())
     semantic_map = SemanticMap.from_json(data)

@@ -51,6 +51,10 @@ def test_a_log_becomes_a_map(fitted: Pipeline) -> None:
     assert tally.samples("kitchen") == 40
     assert {name for _, _, name in surroundings.truth} == set(PLACES)
     assert len(surroundings.points) > 100
+    said = {(round(x, 1), round(y, 1)): name for x, y, name in surroundings.beliefs}
+    true = {(round(x, 1), round(y, 1)): name for x, y, name in surroundings.truth}
+    assert said.keys() == true.keys()
+    assert sum(said[at] == true[at] for at in said) > 0.8 * len(said)
 
 
 def test_a_tally_counts_what_cannot_be_scored(fitted: Pipeline) -> None:

@@ -1,11 +1,13 @@
 """Free space from scans, and how it is shared out to areas."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from placecue import Area, LaserScan, Node, Observation, Pose2D, SemanticMap
+from placecue.evaluation.surroundings import walls
 from placecue.free_space import FREE, OCCUPIED, UNSEEN, FreeSpace, Grid
 from placecue.labels.rooms import read_rooms
 from placecue.surfaces import with_surfaces
@@ -115,6 +117,39 @@ def test_a_door_is_where_rooms_end():
     assert office.size == pytest.approx(6, abs=0.11)
     assert made.at(3.1, 0.3).label == "office"
     assert made.at(3.4, 0.3).label == "kitchen"
+
+
+def test_a_way_that_is_handed_over_behind_the_door_takes_nothing_there():
+    made, grid = two_rooms()
+    late = replace(made.areas[0], trajectory=((1.0, 1.2), (3.3, 1.2), (3.6, 0.4)))
+    beyond = replace(made.areas[1], trajectory=((3.4, 1.2), (5.0, 1.2)))
+    office, kitchen = with_surfaces(replace(made, areas=(late, beyond)), grid).areas
+    assert office.size == pytest.approx(6, abs=0.11)
+    assert kitchen.size == pytest.approx(6, abs=0.11)
+
+
+def test_what_lies_between_two_doors_has_its_owner_too():
+    made, grid = two_rooms()
+    door = replace(made.nodes[1], id=9, x=4.4)
+    nook = replace(made.areas[1], id=2, label="office", trajectory=((4.0, 1.2),))
+    far = replace(made.areas[1], trajectory=((5.9, 1.2),))
+    nodes = (made.nodes[0], made.nodes[1], door, replace(made.nodes[2], x=5.9))
+    nodes += (Node(3, 4.0, 1.2, 2),)
+    areas = (made.areas[0], far, nook)
+    states = grid.states.copy()
+    states[2:7, 44:46] = states[17:22, 44:46] = UNSEEN  # a wall with the second door in it
+    shared = with_surfaces(SemanticMap(areas, nodes, (), CLASSES), replace(grid, states=states))
+    assert shared.at(3.8, 1.2).id == 2
+    assert shared.at(5.5, 1.2).id == 1
+    bare = SemanticMap(areas, nodes[:-1], (), CLASSES)  # no node: its way is at doors altogether
+    assert with_surfaces(bare, replace(grid, states=states)).at(3.8, 1.2).id == 2
+
+
+def test_hits_where_it_is_free_later_are_no_walls():
+    grid = two_rooms()[1]
+    points = np.array([[1.0, 1.2], [0.2, 1.2], [2.0, 0.0], [50.0, 50.0]])  # inside, edge, beyond
+    np.testing.assert_array_equal(walls(points, grid), points[1:])
+    np.testing.assert_array_equal(walls(points, None), points)
 
 
 def test_without_a_door_who_arrives_first_has_it():

@@ -93,7 +93,8 @@ def test_a_belief_is_kept_where_the_observation_cannot_be(
 
 
 def test_the_layout_shows_topics_that_are_written(path: str, tmp_path: Path) -> None:
-    layout = json.loads(write_layout(tmp_path).read_text())
+    layout = json.loads(write_layout(tmp_path, "map").read_text())
+    assert layout["configById"]["3D!placecue"]["followTf"] == "map"
     panels = layout["configById"]
 
     def leaves(tree: object) -> list[str]:

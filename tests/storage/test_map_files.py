@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -93,6 +94,16 @@ def test_nav2_finds_classes_in_the_metadata_and_edges_both_ways() -> None:
     ]
     assert there["geometry"]["coordinates"] == [[[1.5, 0.5], [3.5, 4.5]]]
     assert there["properties"]["cost"] == pytest.approx(np.sqrt(20))
+
+
+def test_a_graph_without_edges_which_nav2_refuses_is_said(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    write_map_files(replace(MAP, edges=()), None, tmp_path)
+    assert "no edges" in caplog.text
+    caplog.clear()
+    write_map_files(MAP, None, tmp_path)
+    assert not caplog.text
 
 
 def test_the_picture_is_read_as_the_grid(tmp_path: Path) -> None:

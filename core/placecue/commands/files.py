@@ -8,14 +8,17 @@ from pathlib import Path
 from placecue.evaluation.report.page import REPORT
 from placecue.evaluation.training_report import INTEGRATOR, RELIABILITY, SEARCHES
 from placecue.logs.writing.annotated import LAYOUT
+from placecue.logs.writing.rerun_log import RECORDING
 from placecue.storage import map_files
 from placecue.storage.belief_table import COLUMNS
 from placecue.storage.manifest import ARRAYS, CONFIG, FORMAT, MANIFEST, STATE
+from placecue.storage.scene_graph import SCENE_GRAPH
 
 BELIEFS, BELIEFS_LOG, SCORES = "beliefs.csv", "beliefs.mcap", "metrics.json"
 ANNOTATED = "annotated.mcap"
 SUGGESTIONS = "suggestions.csv"
-MAP, GEOJSON, PICTURE = "semantic_map.json", "semantic_map.geojson", "semantic_map.png"
+MAP, GEOJSON = "semantic_map.json", "semantic_map.geojson"
+PICTURE, DRAWING, FILM = "semantic_map.png", "semantic_map.svg", "film.png"
 TRAJECTORY = "trajectory.tum"
 MODEL, LOGS = "model", ("run1.mcap", "run2.mcap")
 
@@ -23,9 +26,11 @@ EVALUATED = ("experiment.json", "results.csv", REPORT)
 TRAINED = (MANIFEST, CONFIG, STATE, ARRAYS, RELIABILITY, REPORT)
 CLASSIFIED = (BELIEFS, BELIEFS_LOG, SCORES, REPORT, TRAJECTORY)
 SUGGESTED = (SUGGESTIONS, REPORT)
-MAP_FILES = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
-MAP_OF_LOG = (MAP, GEOJSON, PICTURE, TRAJECTORY, *MAP_FILES)
-LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, *MAP_OF_LOG)
+FOR_NAV2 = (map_files.ROUTE_GRAPH, map_files.PICTURE, map_files.ABOUT, map_files.NODES)
+MAP_FILES = (MAP, GEOJSON, PICTURE, DRAWING, *FOR_NAV2)
+#: Written only where they are asked for.
+ON_REQUEST = (FILM, SCENE_GRAPH, RECORDING)
+LABELLED = (BELIEFS, ANNOTATED, SCORES, LAYOUT, REPORT, TRAJECTORY, *MAP_FILES)
 DEMONSTRATED = (*LABELLED, *LOGS, *(f"{MODEL}/{name}" for name in TRAINED))
 
 
@@ -40,7 +45,7 @@ def of_older_run(folder: Path) -> list[Path]:
         searches = [f"{SEARCHES}/{name}" for name in (*cues, INTEGRATOR)]
         names.update(TRAINED, *((f"{name}.md", f"{name}.png") for name in searches))
     if _is_belief_table(folder / BELIEFS):
-        names.update(CLASSIFIED, LABELLED)
+        names.update(CLASSIFIED, LABELLED, ON_REQUEST)
     return sorted(path for name in names if (path := folder / name).is_file())
 
 

@@ -16,7 +16,8 @@ from placecue.commands.source_summary import SourceSummary, walk
 from placecue.commands.straightening import Straightening
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
-from placecue.evaluation.map_figure import category_styles, draw_semantic_map
+from placecue.evaluation.map_figure import draw_semantic_map
+from placecue.evaluation.map_styles import category_styles
 from placecue.evaluation.thumbnail import thumbnail
 from placecue.labels.relabelled import Hits, Relabelled
 from placecue.logs.info import LogSummary, TopicSummary, summarise

@@ -15,6 +15,7 @@ from placecue.commands.map_outputs import write_map
 from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
 from placecue.commands.straightening import Straightening, advice, trajectory
+from placecue.commands.viewers import Viewers, check_viewers, written
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.evaluation.report.labelling import run_page
@@ -32,7 +33,7 @@ from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 from placecue.surfaces import with_surfaces
 
-WRITES = files.LABELLED
+WRITES = (*files.LABELLED, *files.ON_REQUEST)
 
 
 def run(config: dict[str, Any]) -> dict[str, float]:
@@ -47,7 +48,11 @@ def run(config: dict[str, Any]) -> dict[str, float]:
     notes: list[str] = []
     in_json = as_json.wanted(config)
     semantic_map = label(config, out, tally, notes.append if in_json else print)
-    files_written = [*results(out, bool(tally.counts)), *reporting.written(config, out)]
+    files_written = [
+        *results(out, bool(tally.counts)),
+        *written(config, out),
+        *reporting.written(config, out),
+    ]
     if in_json:
         scores = tally.to_json() if tally.counts else None
         told = {"map": semantic_map.to_json(), "scores": scores, "notes": notes}
@@ -73,6 +78,7 @@ def label(
 
     ``tell`` takes what speaks against the map.
     """
+    check_viewers(config)
     plugins = current_plugins()
     pipeline, log = model_and_log(config, plugins, ("scan", "pose", "label"))
     accumulator = build(config["accumulator"], "accumulator", plugins.registry)
@@ -85,6 +91,7 @@ def label(
         pipeline.extraction = stack.enter_context(extraction_of(config, plugins))
         made(out)
         annotated = stack.enter_context(AnnotatedLog(out / files.ANNOTATED, pipeline.classes))
+        viewers = Viewers(config, out, pipeline.classes, accumulator, space, stack)
         listeners: list[Listener] = [
             tally,
             surroundings,
@@ -95,6 +102,7 @@ def label(
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(plugins),
             *([sample] if reported else []),
+            *viewers.listeners,
         ]
         run_log(pipeline, log, listeners, accumulator=accumulator, batch=config["batch"])
         semantic_map: SemanticMap = call(accumulator, "semantic_map", check=contracts.semantic_map)
@@ -102,10 +110,11 @@ def label(
         grid = space.grid()
         semantic_map = straightening.sure(with_surfaces(semantic_map, grid))
         annotated.close_with(semantic_map)
+        viewers.close_with(semantic_map)
         doubts: list[str] = call(accumulator, "warnings", check=contracts.texts)
-    write_layout(out)
+    write_layout(out, semantic_map.frame)
     straightening.write(out)
-    write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name)
+    write_map(semantic_map, grid, surroundings, pipeline.classes, out, log.name, config["model"])
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
     facts = reporting.facts(config, log.name)
@@ -127,6 +136,7 @@ def results(out: Path, scored: bool) -> list[tuple[str, Path]]:
         ("", out / map_files.ABOUT),
         ("its nodes", out / map_files.NODES),
         ("its picture", out / files.PICTURE),
+        ("", out / files.DRAWING),
         ("beliefs", out / files.BELIEFS),
         *trajectory(out),
         ("annotated log", out / files.ANNOTATED),

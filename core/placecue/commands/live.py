@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
@@ -21,6 +21,7 @@ from placecue.commands.models import model_and_log
 from placecue.commands.onlookers import check_onlookers, onlookers_of
 from placecue.commands.paths import path_of
 from placecue.commands.straightening import Straightening, trajectory
+from placecue.commands.viewers import Viewers, check_viewers, written
 from placecue.components.build import build
 from placecue.components.manager import current_plugins
 from placecue.errors import UsageError
@@ -41,11 +42,7 @@ from placecue.source import Source, innermost
 from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 
-WRITES = (
-    *(files.BELIEFS, files.SCORES, files.MAP, files.GEOJSON, files.PICTURE),
-    files.TRAJECTORY,
-    *files.MAP_FILES,
-)
+WRITES = (files.BELIEFS, files.SCORES, files.TRAJECTORY, *files.MAP_FILES, *files.ON_REQUEST)
 
 
 def run(config: dict[str, Any]) -> dict[str, float]:
@@ -62,6 +59,7 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         If an option is no such thing, ``log`` no single address, or a port is taken.
     """
     check_onlookers(config)
+    check_viewers(config)
     check_whole("workers", config["workers"], least=1)
     if config["seconds"] is not None:
         check_number("seconds", config["seconds"], above=0)
@@ -76,7 +74,7 @@ def run(config: dict[str, Any]) -> dict[str, float]:
         semantic_map = label(config, pipeline, source, robot, accumulator, tally, pace, out)
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
-    _print(semantic_map, robot, pace, tally, out)
+    _print(semantic_map, robot, pace, tally, out, written(config, out))
     for doubt in call(accumulator, "warnings", check=contracts.texts):
         print(f"note: {doubt}")
     plugins.tell("run_finished", command="live", out=out)
@@ -101,6 +99,7 @@ def label(
         onlookers = onlookers_of(config, source.name, pipeline.classes, shown, stack)
         told = OnlookersTold(onlookers, accumulator, space, config["map_every"])
         made(out)
+        viewers = Viewers(config, out, pipeline.classes, accumulator, space, stack)
         listeners: list[Listener] = [
             _Until(config["seconds"], robot.stop),
             pace,
@@ -110,6 +109,7 @@ def label(
             straightening,
             stack.enter_context(belief_table(out / files.BELIEFS)),
             PluginListeners(current_plugins()),
+            *viewers.listeners,
             told,
         ]
         with stopped_by_interrupt(robot.stop):
@@ -119,7 +119,10 @@ def label(
         semantic_map, grid = told.end()
         semantic_map = straightening.sure(semantic_map)
         straightening.write(out)
-        write_map(semantic_map, grid, surroundings, pipeline.classes, out, source.name)
+        viewers.close_with(semantic_map)
+        write_map(
+            semantic_map, grid, surroundings, pipeline.classes, out, source.name, config["model"]
+        )
     return semantic_map
 
 
@@ -169,7 +172,14 @@ def _shown(robot: LiveLog, pace: Pace) -> dict[str, str]:
     }
 
 
-def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, out: Path) -> None:
+def _print(
+    semantic_map: SemanticMap,
+    robot: LiveLog,
+    pace: Pace,
+    tally: Tally,
+    out: Path,
+    more: Sequence[tuple[str, Path]],
+) -> None:
     areas = [area for area in semantic_map.areas if area.label != "unknown"]
     print(f"{len(semantic_map.areas)} areas, {len(areas)} of them labelled")
     median, late = pace.latency
@@ -190,7 +200,9 @@ def _print(semantic_map: SemanticMap, robot: LiveLog, pace: Pace, tally: Tally, 
             ("", out / map_files.ABOUT),
             ("its nodes", out / map_files.NODES),
             ("its picture", out / files.PICTURE),
+            ("", out / files.DRAWING),
             ("beliefs", out / files.BELIEFS),
             *trajectory(out),
+            *more,
         ]
     )

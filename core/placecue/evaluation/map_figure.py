@@ -1,4 +1,4 @@
-"""The picture of a semantic map: areas coloured by category over what the laser saw.
+"""The picture of a semantic map: areas filled by category, over walls, way, graph and doors.
 
 After figure 17 of Pronobis, Martinez Mozos, Caputo, Jensfelt, Multi-modal semantic place
 classification, IJRR 29(2-3), 2010.
@@ -6,33 +6,39 @@ classification, IJRR 29(2-3), 2010.
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from placecue.evaluation.captions import captions
+from placecue.evaluation.map_layers import (
+    BELIEFS,
+    TEXTS,
+    TRUTH,
+    Labelled,
+    Points,
+    draw_doors,
+    draw_graph,
+    draw_surfaces,
+    draw_walls,
+    draw_way,
+)
+from placecue.evaluation.map_legend import Shown, draw_legend
+from placecue.evaluation.map_styles import Style, category_styles
 from placecue.evaluation.pictures import save_picture
-from placecue.evaluation.window import window_of
-from placecue.evaluation.window import within as _within
-from placecue.semantic_map import UNKNOWN, Node, SemanticMap
+from placecue.evaluation.scale_bar import draw_scale_bar
+from placecue.evaluation.text_sizes import TextSizes
+from placecue.evaluation.window import window_of, within
+from placecue.semantic_map import SemanticMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Points = NDArray[np.float64]
-Truth = Sequence[tuple[float, float, str]]
-
-#: Okabe and Ito's palette, told apart by the colour-blind too; black is kept for gateways.
-PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")
-#: Shapes of nodes; the second is taken when the palette has been used up once, and so on.
-SHAPES = ("o", "s", "^", "D", "v", "p", "X")
-GREY = "#8A8A8A"
-
-Style = tuple[str, str]
+NOTHING = np.empty((0, 2))
 
 
 def draw_semantic_map(
@@ -41,8 +47,10 @@ def draw_semantic_map(
     *,
     points: Points | None = None,
     classes: Sequence[str] | None = None,
-    truth: Truth | None = None,
+    beliefs: Labelled = (),
+    truth: Labelled = (),
     title: str | None = None,
+    about: str | None = None,
     size: int = 1600,
     voxel: float = 0.1,
 ) -> Path:
@@ -51,22 +59,25 @@ def draw_semantic_map(
     Parameters
     ----------
     semantic_map : SemanticMap
-        What to draw; it may be empty.
+        What to draw; it may be empty. Areas of another frame than the map's are not drawn, and
+        counted in the heading.
     path : str or Path
         File to write, ``.png``, ``.svg`` or ``.pdf``. It appears whole or not at all.
     points : ndarray of float64, shape (k, 2), optional
-        Laser end points or walls in the map's frame, m, for the background.
+        Laser end points or walls in the map's frame, m.
     classes : sequence of str, optional
-        Categories for the legend; the map's own by default.
-    truth : sequence of (x, y, label), optional
-        True categories along the way (x, y in m), drawn as small dots.
-    title : str, optional
-        Heading of the picture.
+        All categories, by which colours are given out; the map's own by default.
+    beliefs : sequence of (x, y, label)
+        What was believed along the way (x, y in m), drawn as thin dots.
+    truth : sequence of (x, y, label)
+        True categories along the way, drawn as dots, below and around those of beliefs.
+    title, about : str, optional
+        Heading of the picture, and a smaller line below it.
     size : int
         Longer side of the picture, pixels. The other follows the shape of the map.
     voxel : float
-        Side of the squares that hold a point, and are drawn grey, m; larger where a map has more
-        of them than the picture has pixels.
+        Side of the squares that hold a point, m; larger where a map has more of them than the
+        picture has pixels.
 
     What lies absurdly far from nearly all the rest is not drawn but marked at the edge.
 
@@ -82,95 +93,125 @@ def draw_semantic_map(
     DataError
         If the file cannot be written.
     """
-    # The figure is made without pyplot, so no window system or global state comes into it.
-    from matplotlib.figure import Figure
-
-    styles = category_styles(_names(semantic_map, classes, truth))
-    background = cells(points, voxel)
-    window = window_of(_everything(semantic_map, background, truth))
-    outside = _outside(semantic_map, background, truth, window)
-    background = background[_within(background, window)]
-    truth = [each for each in truth or () if _within(np.array([each[:2]]), window)[0]]
-    extent = _padded(window)
-    voxel = max(voxel, float((window[1] - window[0]).max()) / size)
-    background = cells(background, voxel)
-    figure = Figure(figsize=_size(extent, size), dpi=100, layout="constrained")
-    axes = figure.add_subplot()
-    _draw_background(axes, background, voxel)
-    _draw_truth(axes, truth or (), styles)
-    _draw_graph(axes, semantic_map, styles)
-    _draw_names(axes, semantic_map)
-    _frame(axes, extent, semantic_map.frame, title)
-    _mark_outside(axes, outside, window)
-    _legend(figure, styles, gateways=any(node.gateway for node in semantic_map.nodes))
+    figure = map_figure(
+        semantic_map,
+        points=points,
+        classes=classes,
+        beliefs=beliefs,
+        truth=truth,
+        title=title,
+        about=about,
+        size=size,
+        voxel=voxel,
+    )
     return save_picture(figure, path)
 
 
-def category_styles(names: Sequence[str]) -> dict[str, Style]:
-    """Return a colour and a shape for each category; ``unknown`` is a grey disc.
+def map_figure(
+    semantic_map: SemanticMap,
+    *,
+    points: Points | None = None,
+    classes: Sequence[str] | None = None,
+    beliefs: Labelled = (),
+    truth: Labelled = (),
+    title: str | None = None,
+    about: str | None = None,
+    size: int = 1600,
+    voxel: float = 0.1,
+) -> Figure:
+    """Return the figure that :func:`draw_semantic_map` writes; parameters are its."""
+    # The figure is made without pyplot, so no window system or global state comes into it.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
 
-    Parameters
-    ----------
-    names : sequence of str
-        The categories, in order of the legend.
-
-    Returns
-    -------
-    dict of str to (str, str)
-        Colour (``#RRGGBB``) and matplotlib marker.
-    """
-    styles = {
-        name: (PALETTE[i % len(PALETTE)], SHAPES[i // len(PALETTE) % len(SHAPES)])
-        for i, name in enumerate(name for name in names if name != UNKNOWN)
-    }
-    return {**styles, UNKNOWN: (GREY, "o")}
+    listed = semantic_map.classes if classes is None else classes
+    elsewhere = len(semantic_map.areas)
+    semantic_map = _in_one_frame(semantic_map)
+    elsewhere -= len(semantic_map.areas)
+    way = [*beliefs, *truth]
+    styles = _styles(listed, semantic_map, way)
+    walls = cells(points, voxel)
+    places = np.concatenate(_places(semantic_map, way))
+    # What the laser saw through far windows is no part of the map where there are surfaces.
+    surfaces = any(area.surface for area in semantic_map.areas)
+    window = window_of(places if surfaces else np.concatenate([walls, places]))
+    outside = _outside(places, NOTHING if surfaces else walls, window)
+    voxel = max(voxel, float((window[1] - window[0]).max()) / size)
+    extent = _padded(window)
+    walls = cells(walls[within(walls, extent)], voxel)
+    figure = Figure(figsize=_size(extent, size), dpi=100, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    draw_surfaces(axes, semantic_map.areas, styles)
+    draw_walls(axes, walls, voxel)
+    draw_graph(axes, semantic_map, styles)
+    draw_way(axes, _inside(truth, window), styles, 4.0 if beliefs else 2.5, TRUTH)
+    draw_way(axes, _inside(beliefs, window), styles, 1.8, BELIEFS)
+    draw_doors(axes, semantic_map.nodes)
+    _frame(axes, extent, semantic_map.frame)
+    _head(axes, title, [about, _elsewhere(elsewhere, semantic_map.frame)])
+    _mark_outside(axes, outside, window)
+    draw_scale_bar(axes, extent)
+    doors = any(node.gateway for node in semantic_map.nodes)
+    shown = Shown(doors, len(walls) > 0, len(beliefs) > 0, len(truth) > 0)
+    draw_legend(figure, styles, shown)
+    _caption(figure, axes, semantic_map, extent)
+    return figure
 
 
 def cells(points: Points | None, voxel: float) -> Points:
     """Return the centres of the squares of side ``voxel`` (m) that hold a point, shape (k, 2)."""
     if points is None or len(points) == 0:
-        return np.empty((0, 2))
+        return NOTHING
     finite = points[np.isfinite(points).all(axis=1)]
     return np.asarray(np.unique(np.round(finite / voxel), axis=0) * voxel)
 
 
-def _names(
-    semantic_map: SemanticMap, classes: Sequence[str] | None, truth: Truth | None
-) -> list[str]:
-    listed = list(semantic_map.classes if classes is None else classes)
-    met = {area.label for area in semantic_map.areas} | {label for _, _, label in truth or ()}
-    return listed + sorted(met.difference(listed))
+def _in_one_frame(semantic_map: SemanticMap) -> SemanticMap:
+    areas = tuple(area for area in semantic_map.areas if area.frame == semantic_map.frame)
+    kept = {area.id for area in areas}
+    nodes = tuple(node for node in semantic_map.nodes if node.area in kept)
+    return replace(semantic_map, areas=areas, nodes=nodes)
 
 
-def _everything(semantic_map: SemanticMap, background: Points, truth: Truth | None) -> Points:
-    """Return all points that are to be drawn, m, shape (n, 2)."""
-    return np.concatenate([background, *_places(semantic_map, truth)])
+def _elsewhere(count: int, frame: str) -> str | None:
+    return f"{count} areas in other frames than '{frame}' are not drawn" if count else None
 
 
-def _places(semantic_map: SemanticMap, truth: Truth | None) -> tuple[Points, Points]:
-    """Return the nodes, and where there is a true category, m, each of shape (n, 2)."""
+def _styles(listed: Sequence[str], semantic_map: SemanticMap, way: Labelled) -> dict[str, Style]:
+    """Return the styles of what is there, in the order of all categories."""
+    met = {area.label for area in semantic_map.areas} | {label for _, _, label in way}
+    every = category_styles([*listed, *sorted(met.difference(listed))])
+    return {name: style for name, style in every.items() if name in met}
+
+
+def _places(semantic_map: SemanticMap, way: Labelled) -> tuple[Points, ...]:
+    """Return the nodes, the way, and the corners of surfaces, m, each of shape (n, 2)."""
     nodes = [(node.x, node.y) for node in semantic_map.nodes]
-    way = [(x, y) for x, y, _ in truth or ()]
-    as_points = (np.asarray(part, dtype=np.float64).reshape(-1, 2) for part in (nodes, way))
-    nodes_at, way_at = as_points
-    return nodes_at, way_at
+    at = [(x, y) for x, y, _ in way]
+    corners = [c for area in semantic_map.areas for outline, *_ in area.surface for c in outline]
+    parts = (nodes, at, corners)
+    return tuple(np.asarray(part, dtype=np.float64).reshape(-1, 2) for part in parts)
 
 
-def _outside(
-    semantic_map: SemanticMap, background: Points, truth: Truth | None, window: Points
-) -> Points:
-    """Return the points that the window leaves out, m: of the way, or else of the background."""
-    way = np.concatenate(_places(semantic_map, truth))
-    for points in (way, background):
-        left_out = points[~_within(points, window)]
+def _outside(places: Points, walls: Points, window: Points) -> Points:
+    """Return the points that the window leaves out, m: of the map, or else of the walls."""
+    for points in (places, walls):
+        left_out = points[~within(points, window)]
         if len(left_out):
             return left_out
-    return np.empty((0, 2))
+    return NOTHING
+
+
+def _inside(way: Labelled, window: Points) -> Labelled:
+    kept = within(np.array([(x, y) for x, y, _ in way]).reshape(-1, 2), window)
+    return [each for each, inside in zip(way, kept.tolist(), strict=True) if inside]
 
 
 def _padded(window: Points) -> Points:
+    """Return a window with a margin, m; more below, where the scale bar stands."""
     margin = max(1.0, 0.03 * float((window[1] - window[0]).max()))
-    return np.array([window[0] - margin, window[1] + margin])
+    return np.array([window[0] - (margin, 1.5 * margin), window[1] + margin])
 
 
 def _size(extent: Points, size: int) -> tuple[float, float]:
@@ -181,80 +222,45 @@ def _size(extent: Points, size: int) -> tuple[float, float]:
     return inches * max(float(across / up), 0.5), inches
 
 
-def _draw_background(axes: Axes, background: Points, voxel: float) -> None:
-    if len(background) == 0:
-        return
-    columns, rows = np.round(background / voxel).astype(np.int64).T
-    grid = np.zeros((int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1), dtype=np.uint8)
-    grid[rows - rows.min(), columns - columns.min()] = 2
-    left, right = columns.min() - 0.5, columns.max() + 0.5
-    bottom, top = rows.min() - 0.5, rows.max() + 0.5
-    sides = (left * voxel, right * voxel, bottom * voxel, top * voxel)
-    axes.imshow(grid, cmap="Greys", vmin=0, vmax=5, origin="lower", extent=sides, zorder=1)
-
-
-def _draw_truth(axes: Axes, truth: Truth, styles: Mapping[str, Style]) -> None:
-    for name in sorted({label for _, _, label in truth}):
-        way = np.array([(x, y) for x, y, label in truth if label == name])
-        axes.plot(*way.T, "o", color=styles[name][0], markersize=2.5, alpha=0.6, zorder=2)
-
-
-def _draw_graph(axes: Axes, semantic_map: SemanticMap, styles: Mapping[str, Style]) -> None:
-    from matplotlib.collections import LineCollection
-
-    at = {node.id: (node.x, node.y) for node in semantic_map.nodes}
-    lines = [[at[a], at[b]] for a, b in semantic_map.edges]
-    axes.add_collection(LineCollection(lines, colors="#4D4D4D", linewidths=0.9, zorder=3))
-    label_of = {area.id: area.label for area in semantic_map.areas}
-    places: dict[Style, list[tuple[float, float]]] = defaultdict(list)
-    for node in semantic_map.nodes:
-        if not node.gateway:
-            places[styles[label_of[node.area]]].append((node.x, node.y))
-    edge: dict[str, Any] = {"markeredgecolor": "black", "markeredgewidth": 0.5}
-    for (colour, shape), where in places.items():
-        axes.plot(*zip(*where, strict=True), shape, color=colour, markersize=8, zorder=4, **edge)
-    gateways = np.array([(n.x, n.y) for n in semantic_map.nodes if n.gateway]).reshape(-1, 2)
-    axes.plot(*gateways.T, "D", color="black", markersize=5, zorder=5)
-
-
-def _draw_names(axes: Axes, semantic_map: SemanticMap, most: int = 60) -> None:
-    """Write the name of each area at its middle node; of very many only the largest."""
-    from matplotlib.patheffects import withStroke
-
-    members: dict[int, list[Node]] = defaultdict(list)
-    for node in semantic_map.nodes:
-        if not node.gateway:
-            members[node.area].append(node)
-    named = [area for area in semantic_map.areas if members[area.id]]
-    named.sort(key=lambda area: -len(members[area.id]))
-    for area in named[:most]:
-        node = _middle(members[area.id])
-        axes.annotate(
-            f"{area.label} {area.id}",
-            (node.x, node.y),
-            xytext=(7, 7),
-            textcoords="offset points",
-            fontsize=10,
-            zorder=6,
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
-        )
-
-
-def _middle(nodes: Sequence[Node]) -> Node:
-    positions = np.array([(node.x, node.y) for node in nodes])
-    return nodes[int(((positions - positions.mean(axis=0)) ** 2).sum(axis=1).argmin())]
-
-
-def _frame(axes: Axes, extent: Points, frame: str, title: str | None) -> None:
+def _frame(axes: Axes, extent: Points, frame: str) -> None:
     axes.set_facecolor("white")
     axes.set_aspect("equal")
     axes.set_xlim(extent[0, 0], extent[1, 0])
     axes.set_ylim(extent[0, 1], extent[1, 1])
-    axes.set_xlabel(f"x in {frame} (m)", fontsize=13)
-    axes.set_ylabel(f"y in {frame} (m)", fontsize=13)
+    axes.set_xlabel(f"x in {frame} (m)", fontsize=12)
+    axes.set_ylabel(f"y in {frame} (m)", fontsize=12)
     axes.tick_params(labelsize=11)
-    if title:
-        axes.set_title(title, fontsize=16)
+
+
+def _head(axes: Axes, title: str | None, lines: Sequence[str | None]) -> None:
+    told = "\n".join(line for line in lines if line)
+    if told:
+        axes.set_title(told, fontsize=11, color="#4D4D4D", parse_math=False)
+    if title and axes.figure is not None:
+        axes.figure.suptitle(title, fontsize=16, parse_math=False)
+
+
+def _caption(figure: Figure, axes: Axes, semantic_map: SemanticMap, extent: Points) -> None:
+    """Write captions, once all else has its place: from then on a metre has its length."""
+    from matplotlib.patheffects import withStroke
+
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    (left, _), (right, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)])
+    for each in captions(semantic_map.areas, extent, TextSizes(figure, right - left)):
+        axes.text(
+            each.x,
+            each.y,
+            each.text,
+            fontsize=each.size,
+            rotation=90 if each.upright else 0,
+            ha="center",
+            va="center",
+            gid=f"caption-{each.area}",
+            parse_math=False,
+            zorder=TEXTS,
+            path_effects=[withStroke(linewidth=2, foreground="white")],
+        )
 
 
 def _mark_outside(axes: Axes, outside: Points, window: Points) -> None:
@@ -262,7 +268,7 @@ def _mark_outside(axes: Axes, outside: Points, window: Points) -> None:
     if len(outside) == 0:
         return
     at = np.clip(outside, window[0], window[1])
-    axes.plot(*np.unique(at, axis=0).T, "x", color="#B00000", markersize=10, zorder=7)
+    axes.plot(*np.unique(at, axis=0).T, "x", color="#B00000", markersize=10, zorder=TEXTS)
     farthest = float(np.hypot(*(outside - at).T).max())
     axes.annotate(
         f"{len(outside)} outside, up to {farthest:.3g} m away",
@@ -271,22 +277,5 @@ def _mark_outside(axes: Axes, outside: Points, window: Points) -> None:
         textcoords="offset points",
         color="#B00000",
         fontsize=10,
-        zorder=7,
+        zorder=TEXTS,
     )
-
-
-def _legend(figure: Figure, styles: Mapping[str, Style], gateways: bool) -> None:
-    from matplotlib.lines import Line2D
-
-    marks: dict[str, Any] = {"linestyle": "none", "markeredgecolor": "black", "markersize": 9}
-    handles = [
-        Line2D([], [], color=colour, marker=shape, label=name, **marks)
-        for name, (colour, shape) in styles.items()
-    ]
-    if gateways:
-        marks["markersize"] = 6
-        handles.append(Line2D([], [], color="black", marker="D", label="doorway passed", **marks))
-    # A letter is about 0.11 inches wide at this size, mark and space about 0.6.
-    widest = 0.11 * max(len(str(handle.get_label())) for handle in handles) + 0.6
-    columns = min(len(handles), max(1, int(figure.get_figwidth() / widest)))
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=13)

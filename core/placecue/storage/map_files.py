@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 from math import hypot
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ import numpy as np
 from placecue.atomic import replacing, write_json, write_text
 from placecue.free_space import FREE, OCCUPIED, Grid
 from placecue.semantic_map import SemanticMap
+
+log = logging.getLogger(__name__)
 
 ROUTE_GRAPH, PICTURE, ABOUT, NODES = "route_graph.geojson", "map.pgm", "map.yaml", "nodes.csv"
 
@@ -40,6 +43,11 @@ def write_map_files(semantic_map: SemanticMap, grid: Grid | None, folder: Path) 
     list of Path
         The files.
     """
+    if not semantic_map.edges:
+        log.warning(
+            f"{folder / ROUTE_GRAPH} has no edges, as the robot went nowhere: Nav2's route server "
+            "refuses such a graph"
+        )
     written = [
         write_json(folder / ROUTE_GRAPH, route_graph(semantic_map)),
         write_text(folder / NODES, node_table(semantic_map)),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import ceil, cos, floor, hypot, sin
+from math import ceil, cos, floor, hypot, inf, sin
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,3 +223,33 @@ class NavigationGraph:
         if before is not None:
             self.edges.add((min(before, node), max(before, node)))
         return Step(node, before, new)
+
+
+def neighbours_of(edges: Iterable[tuple[int, int]]) -> defaultdict[int, list[int]]:
+    """Return the neighbours of each node."""
+    beside = defaultdict(list)
+    for a, b in edges:
+        beside[a].append(b)
+        beside[b].append(a)
+    return beside
+
+
+def within_reach(edges: Iterable[tuple[int, int]], node: int, reach: int) -> list[int]:
+    """Return the nodes that are at most so many edges away from one, itself included, by number."""
+    beside = neighbours_of(edges)
+    found = outer = {node}
+    for _ in range(reach):
+        outer = {other for each in outer for other in beside[each]} - found
+        found = found | outer
+    return sorted(found)
+
+
+def on_its_side(
+    at: tuple[float, float], door: int, beside: Iterable[int], places: Sequence[Place]
+) -> int:
+    """Return the nearest neighbour of a door on the side of a position (m), or else the door."""
+    here = Place(*at)
+    same = [node for node in beside if not places[door].parts(here, places[node], inf)]
+    rooms = [node for node in same if not places[node].gateway]
+    distances = [hypot(places[node].x - here.x, places[node].y - here.y) for node in rooms]
+    return rooms[distances.index(min(distances))] if rooms else door

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from placecue.checks import check_number
+from placecue_accumulators.boundaries import Given
 from placecue_accumulators.by_node import NodeAccumulator
 from placecue_accumulators.graph import Step
 from placecue_accumulators.hidden_markov import forward, smoothed, staying, viterbi
@@ -40,8 +42,10 @@ class HiddenMarkov(NodeAccumulator):
         (:class:`~placecue_accumulators.neighbours.Neighbours`).
     lag : int
         How many visits are kept open.
+    boundary : Boundary, or sequence or mapping of Boundary, optional
+        Doors, which part areas of one label; none by default.
     bin_x, bin_y, bin_theta, accept_confidence, label_probability, sharpness, independent, doubt, \
-    node_spacing, prior_bins
+    node_spacing, gateway_spacing, prior_bins
         As of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
 
     References
@@ -55,6 +59,7 @@ class HiddenMarkov(NodeAccumulator):
         lasts: float = 16.0,
         transitions: str | None = None,
         lag: int = 500,
+        boundary: Given = None,
         bin_x: float = 0.2,
         bin_y: float = 0.2,
         bin_theta: float = 0.1,
@@ -64,11 +69,13 @@ class HiddenMarkov(NodeAccumulator):
         independent: float = 0.03,
         doubt: float = 0.005,
         node_spacing: float = 1.0,
+        gateway_spacing: float = 1.0,
         prior_bins: float = 20.0,
     ) -> None:
         self.lasts = lasts
         self.transitions = transitions
         self.lag = lag
+        self.boundary = boundary
         self.bin_x = bin_x
         self.bin_y = bin_y
         self.bin_theta = bin_theta
@@ -78,6 +85,7 @@ class HiddenMarkov(NodeAccumulator):
         self.independent = independent
         self.doubt = doubt
         self.node_spacing = node_spacing
+        self.gateway_spacing = gateway_spacing
         self.prior_bins = prior_bins
 
     def check_parameters(self) -> None:
@@ -97,6 +105,13 @@ class HiddenMarkov(NodeAccumulator):
         rows = np.array([row for _, row in self._open()])
         return np.asarray(np.exp(forward(rows, self._steps())[-1]))
 
+    def _context(self) -> Values:
+        m = len(self._steps())
+        if not self.visits_:
+            return np.full(m, 1 / m)
+        before = forward(np.array([row for _, row in self.visits_]), self._steps())[-1]
+        return np.asarray(np.exp(logsumexp(before[:, None] + self._steps(), axis=0)))
+
     def _stepped(self, step: Step, likelihood: Values) -> None:
         if step.before is not None:
             self.visits_.append((step.before, likelihood))
@@ -114,7 +129,7 @@ class HiddenMarkov(NodeAccumulator):
         node, judge = self.graph_.current, self.judge_
         if node is None or judge is None:
             return list(self.visits_)
-        return [*self.visits_, (node, judge.likelihoods(self.here_.sums()))]
+        return [*self.visits_, (node, judge.likelihoods(self._here()))]
 
     def _settle(
         self,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from placecue.checks import check_number
 from placecue.distribution import softmax
+from placecue_accumulators.boundaries import Given
 from placecue_accumulators.by_node import NodeAccumulator
 from placecue_accumulators.pairwise import relaxed
 
@@ -25,8 +26,10 @@ class Relaxation(NodeAccumulator):
         shared among them.
     rounds : int
         How often nodes listen.
+    boundary : Boundary, or sequence or mapping of Boundary, optional
+        Doors, which part areas of one label; none by default.
     bin_x, bin_y, bin_theta, accept_confidence, label_probability, sharpness, independent, doubt, \
-    node_spacing, prior_bins
+    node_spacing, gateway_spacing, prior_bins
         As of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
 
     References
@@ -39,6 +42,7 @@ class Relaxation(NodeAccumulator):
         self,
         support: float = 0.3,
         rounds: int = 10,
+        boundary: Given = None,
         bin_x: float = 0.2,
         bin_y: float = 0.2,
         bin_theta: float = 0.1,
@@ -48,10 +52,12 @@ class Relaxation(NodeAccumulator):
         independent: float = 0.03,
         doubt: float = 0.005,
         node_spacing: float = 1.0,
+        gateway_spacing: float = 1.0,
         prior_bins: float = 20.0,
     ) -> None:
         self.support = support
         self.rounds = rounds
+        self.boundary = boundary
         self.bin_x = bin_x
         self.bin_y = bin_y
         self.bin_theta = bin_theta
@@ -61,6 +67,7 @@ class Relaxation(NodeAccumulator):
         self.independent = independent
         self.doubt = doubt
         self.node_spacing = node_spacing
+        self.gateway_spacing = gateway_spacing
         self.prior_bins = prior_bins
 
     def check_parameters(self) -> None:

@@ -20,7 +20,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "label": (
         "placecue label model run2.mcap",
         "placecue label run2.bag model=model out=labelled",
-        "placecue label model run2.mcap 'boundaries@accumulator.boundary=[door,evidence]'",
+        "placecue label model run2.mcap accumulator=spatiotemporal",
     ),
     "evaluate": (
         "placecue evaluate a.mcap b.mcap c.mcap",

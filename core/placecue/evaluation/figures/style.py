@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from placecue.evaluation.map_figure import GREY, PALETTE
+from placecue.evaluation.map_styles import GREY, PALETTE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

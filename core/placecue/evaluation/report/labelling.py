@@ -67,7 +67,7 @@ def _map(semantic_map: SemanticMap | None, picture: Path | None) -> list[Part]:
         return []
     parts: list[Part] = []
     if picture is not None:
-        caption = "Areas by class over what the laser saw; small dots are the true classes."
+        caption = "Areas by class, the paler the less sure; dots are single beliefs."
         parts.append(Figure("Semantic map", "", caption, picture.read_bytes()))
     nodes = Counter(node.area for node in semantic_map.nodes)
     rows = [

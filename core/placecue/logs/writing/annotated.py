@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from json import dumps
+from json import dumps, loads
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from placecue.accumulator import AreaUpdate
-from placecue.atomic import write_text
+from placecue.atomic import write_json
 from placecue.belief import Belief
 from placecue.errors import UnusableObservation
 from placecue.faults import Faults
@@ -179,7 +179,15 @@ def area_message(stamp: int, update: AreaUpdate) -> dict[str, Any]:
     }
 
 
-def write_layout(folder: str | Path) -> Path:
-    """Put the layout for Foxglove and Lichtblick into a folder and return its path."""
-    layout = resources.files("placecue.logs").joinpath(LAYOUT).read_text("utf-8")
-    return write_text(Path(folder) / LAYOUT, layout)
+def write_layout(folder: str | Path, frame: str = "odom") -> Path:
+    """Put the layout for Foxglove and Lichtblick into a folder and return its path.
+
+    Parameters
+    ----------
+    folder : str or Path
+    frame : str
+        The frame of the map, which stands still in the picture.
+    """
+    layout = loads(resources.files("placecue.logs").joinpath(LAYOUT).read_text("utf-8"))
+    layout["configById"]["3D!placecue"]["followTf"] = frame
+    return write_json(Path(folder) / LAYOUT, layout)

@@ -172,7 +172,7 @@ TEXT = b"hello world, this is text"
     [
         ("train", None, "no such log: "),
         ("train", b"", " is empty (0 bytes): not an MCAP file"),
-        ("train", b"SQLite format 3\0" + bytes(50), "cannot be read as a bag: "),
+        ("train", b"SQLite format 3\0" + bytes(50), "give it the ending .db3"),
         *((command, TEXT, "is not an MCAP file (it begins with") for command in COMMANDS),
     ],
 )

@@ -154,7 +154,9 @@ def test_a_limit_that_changes_does_not_change_what_filled_beams_are(
     filled = [scan.filled().tolist() for scan in scans if scan is not None]
     # What a scanner of 5 m says beyond that is nothing.
     assert filled == [[1.0, 7.0, 8.0], [1.0, 8.0, 8.0], [1.0, 7.0, 8.0]]
-    assert sum("range_max of 8 m" in record.message for record in caplog.records) == 1
+    assert (
+        sum("the first scan counts up to 8 m" in record.message for record in caplog.records) == 1
+    )
 
 
 def test_a_label_that_no_file_takes_ends_the_one_before_and_is_said_once(

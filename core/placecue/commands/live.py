@@ -42,7 +42,7 @@ from placecue.source import Source, innermost
 from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 
-WRITES = (files.BELIEFS, files.SCORES, files.TRAJECTORY, *files.MAP_FILES, *files.ON_REQUEST)
+WRITES = (files.BELIEFS, files.SCORES, *files.MAP_FILES, *files.ON_REQUEST)
 
 
 def run(config: dict[str, Any]) -> dict[str, float]:

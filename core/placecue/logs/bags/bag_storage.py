@@ -39,7 +39,7 @@ def storage_of(path: Path) -> Path:
         raise DataError(f"cannot read {path}: {error.strerror}") from error
     if start.startswith(MAGIC):
         raise DataError(f"{path} is an MCAP log and no bag; read it with source=mcap")
-    if start.startswith(BAG_MAGIC) or (start == SQLITE_MAGIC and path.suffix in STORAGES):
+    if start.startswith(BAG_MAGIC) or (start == SQLITE_MAGIC and path.suffix == ".db3"):
         return path
     hint = "; give it the ending .db3" if start == SQLITE_MAGIC else f"; it begins with {start!r}"
     raise DataError(f"{path} is neither a ROS 1 bag nor a storage file (.db3) of a ROS 2 bag{hint}")

@@ -130,7 +130,37 @@ class QuantileScaling(Scaling):
         return np.asarray(2 * place / last - 1)
 
 
-class UnitLength(Scaling):
+class _AfterAnother(Scaling):
+    """Scales what another scaling, if any, has made of dense columns."""
+
+    def __init__(self, scaling: Scaling | None = None) -> None:
+        self.scaling = scaling
+
+    def check_parameters(self) -> None:
+        if self.scaling is not None and not isinstance(self.scaling, Scaling):
+            raise UsageError(f"scaling.scaling must be a Scaling or None, got {self.scaling!r}")
+
+    def fit(self, features: Matrix) -> Self:
+        return self.train(features)
+
+    def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
+        """Learn from training samples; see :meth:`Scaling.train`."""
+        self.check_parameters()
+        self.scaling_ = None
+        if self.scaling is not None and not sparse.issparse(features):
+            self.scaling_ = clone(self.scaling)
+            call(self.scaling_, "train", features, families)
+        return self
+
+    def _columns(self, features: Matrix) -> Matrix:
+        if self.scaling_ is None:
+            return features
+        check = partial(contracts.scaled, shape=features.shape)
+        scaled: Matrix = call(self.scaling_, "transform", features, check=check)
+        return scaled
+
+
+class UnitLength(_AfterAnother):
     """Every sample to unit Euclidean length, after another scaling; one that is 0 stays so.
 
     What is left is the direction of a vector, which for the outputs of networks says more than how
@@ -147,30 +177,8 @@ class UnitLength(Scaling):
         The fitted one.
     """
 
-    def __init__(self, scaling: Scaling | None = None) -> None:
-        self.scaling = scaling
-
-    def check_parameters(self) -> None:  # noqa: D102
-        if self.scaling is not None and not isinstance(self.scaling, Scaling):
-            raise UsageError(f"scaling.scaling must be a Scaling or None, got {self.scaling!r}")
-
-    def fit(self, features: Matrix) -> Self:  # noqa: D102
-        return self.train(features)
-
-    def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
-        """Learn from training samples; see :meth:`Scaling.train`."""
-        self.check_parameters()
-        self.scaling_ = None
-        if self.scaling is not None:
-            self.scaling_ = clone(self.scaling)
-            call(self.scaling_, "train", features, families)
-        return self
-
     def transform(self, features: Matrix) -> Matrix:  # noqa: D102
-        if self.scaling_ is not None:
-            check = partial(contracts.scaled, shape=features.shape)
-            features = call(self.scaling_, "transform", features, check=check)
-        return unit_length(features)
+        return unit_length(self._columns(features))
 
 
 def unit_length(rows: Matrix) -> Matrix:
@@ -179,7 +187,7 @@ def unit_length(rows: Matrix) -> Matrix:
     return np.asarray(rows / np.where(lengths > 0, lengths, 1.0))
 
 
-class UnitSpread(Scaling):
+class UnitSpread(_AfterAnother):
     """Divides all columns by one number, so that their variances sum to one.
 
     The mean squared distance between samples is then 2, whatever the features are. Of features in
@@ -200,23 +208,9 @@ class UnitSpread(Scaling):
 
     takes_sparse: ClassVar[bool] = True
 
-    def __init__(self, scaling: Scaling | None = None) -> None:
-        self.scaling = scaling
-
-    def check_parameters(self) -> None:  # noqa: D102
-        if self.scaling is not None and not isinstance(self.scaling, Scaling):
-            raise UsageError(f"scaling.scaling must be a Scaling or None, got {self.scaling!r}")
-
-    def fit(self, features: Matrix) -> Self:  # noqa: D102
-        return self.train(features)
-
     def train(self, features: Matrix, families: Sequence[str] | None = None) -> Self:
         """Learn from training samples; see :meth:`Scaling.train`."""
-        self.check_parameters()
-        self.scaling_ = None
-        if self.scaling is not None and not sparse.issparse(features):
-            self.scaling_ = clone(self.scaling)
-            call(self.scaling_, "train", features, families)
+        super().train(features, families)
         columns = self._columns(features)
         spread, rounding = np.sqrt(_total_variance(columns)), 1e-12 * abs(columns).max()
         self.spread_ = np.array([spread if spread > rounding else 1.0])
@@ -224,13 +218,6 @@ class UnitSpread(Scaling):
 
     def transform(self, features: Matrix) -> Matrix:  # noqa: D102
         scaled: Matrix = self._columns(features) / self.spread_[0]
-        return scaled
-
-    def _columns(self, features: Matrix) -> Matrix:
-        if self.scaling_ is None:
-            return features
-        check = partial(contracts.scaled, shape=features.shape)
-        scaled: Matrix = call(self.scaling_, "transform", features, check=check)
         return scaled
 
 

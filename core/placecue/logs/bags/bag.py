@@ -17,6 +17,7 @@ from placecue.logs.bags.bag_chunks import ChunkReader
 from placecue.logs.bags.bag_cut import CutBag
 from placecue.logs.bags.bag_definitions import Definitions
 from placecue.logs.bags.bag_storage import STORAGES, files_of, missing_bytes, storage_of
+from placecue.logs.bags.cut_reader import CutReader
 from placecue.logs.bags.cut_storage import CutStorage
 from placecue.logs.mcap.container import LogFile, check_channels, told_lost
 from placecue.logs.mcap.contents import Contents
@@ -24,7 +25,7 @@ from placecue.logs.mcap.linear import Damage, describe
 
 log = logging.getLogger(__name__)
 
-Reader = ChunkReader | rosbag2.Reader | CutBag | CutStorage
+Reader = ChunkReader | rosbag2.Reader | CutReader
 
 
 class BagFile(LogFile):
@@ -54,7 +55,7 @@ class BagFile(LogFile):
         self._storage = storage_of(self.path)
         self.size = sum(file.stat().st_size for file in files_of(self._storage))
         # What reads in place of rosbags where the index is lost, or a storage file that is MCAP.
-        self._cut: CutBag | CutStorage | None = None
+        self._cut: CutReader | None = None
         self._mcap: LogFile | None = None
         self._told = False
         try:
@@ -139,10 +140,10 @@ class BagFile(LogFile):
         stored = [each for each in files_of(self._storage) if each.suffix in STORAGES]
         return LogFile(stored[0]) if len(stored) == 1 and stored[0].suffix == ".mcap" else None
 
-    def _salvaged(self, error: Exception) -> CutBag | CutStorage:
+    def _salvaged(self, error: Exception) -> CutReader:
         """Return what is readable of a bag that its index does not lead to."""
         files = [each for each in files_of(self._storage) if each.suffix == ".db3"]
-        cut = CutStorage(files) if self._is_ros2 else CutBag(self._storage)
+        cut: CutReader = CutStorage(files) if self._is_ros2 else CutBag(self._storage)
         if not cut.message_count:
             raise DataError(f"{self.path} cannot be read as a bag: {describe(error)}") from error
         seconds = (cut.end_time - cut.start_time) * 1e-9

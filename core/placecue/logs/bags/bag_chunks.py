@@ -20,11 +20,11 @@ from placecue.logs.bags.bag_cut import (
     CHUNK_INFO,
     CONNECTION,
     MAGIC_LINE,
-    Held,
     inside,
     records,
     unpacked,
 )
+from placecue.logs.bags.cut_reader import Held
 from placecue.logs.mcap.linear import Damage, describe
 
 

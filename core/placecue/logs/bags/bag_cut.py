@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import struct
 from bz2 import BZ2Decompressor
-from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import IO, Any, NamedTuple, Self
+from typing import IO, Any
 
 from lz4.frame import LZ4FrameDecompressor
 from mcap.exceptions import EndOfFile
@@ -23,6 +22,7 @@ from rosbags.interfaces import (
 )
 
 from placecue.limits import current_limits
+from placecue.logs.bags.cut_reader import CutReader, Held
 from placecue.logs.mcap.linear import Damage, describe
 
 Fields = dict[bytes, bytes]
@@ -38,90 +38,26 @@ DECOMPRESSORS: dict[bytes, Callable[[], Any]] = {
 PIECE = 2**10
 
 
-class Held(NamedTuple):
-    """A connection, or a message of one.
+class CutBag(CutReader):
+    """What can be read of a bag without its index.
 
-    Parameters
-    ----------
-    number : int
-        Of the connection.
-    stamp : int
-        Time of the message, ns.
-    data : bytes
-        The message.
-    connection : Connection or None
-        None for a message.
-    """
-
-    number: int
-    stamp: int
-    data: bytes
-    connection: Connection | None = None
-
-
-class CutBag:
-    """What can be read of a bag without its index; has the methods of a rosbags reader.
-
-    Messages come in the order of the file. Of a chunk that the file ends in, the messages that
-    are whole are kept.
+    Of a chunk that the file ends in, the messages that are whole are kept.
 
     Parameters
     ----------
     path : Path
-        The bag. All of it is looked through.
+        The bag.
 
     Attributes
     ----------
-    connections : list of rosbags Connection
-        Who published what, with the number of messages.
-    start_time, end_time : int
-        Time of the first message, and after that of the last, ns.
-    message_count : int
-        How many messages there are.
     damage : Damage or None
         Where reading stopped before the end of the file.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.start_time, self.end_time = 2**63 - 1, 0
         self.damage: Damage | None = None
-        found: dict[int, Connection] = {}
-        counts: Counter[int] = Counter()
-        for held in self._held():
-            if held.connection is not None:
-                found.setdefault(held.number, held.connection)
-            else:
-                counts[held.number] += 1
-                self.start_time = min(self.start_time, held.stamp)
-                self.end_time = max(self.end_time, held.stamp + 1)
-        self.connections = [each._replace(msgcount=counts[i]) for i, each in found.items()]
-        self.message_count = counts.total()
-
-    def messages(
-        self, connections: Collection[Connection], start: int | None = None, stop: int | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
-        """Yield connection, time (ns) and bytes of the messages of some connections.
-
-        Parameters
-        ----------
-        connections : collection of rosbags Connection
-            The wanted ones.
-        start, stop : int, optional
-            First time to give, and the one to stop before, ns.
-        """
-        wanted = {each.id: each for each in connections}
-        for held in self._held():
-            since = start is None or held.stamp >= start
-            until = stop is None or held.stamp < stop
-            if held.connection is None and held.number in wanted and since and until:
-                yield wanted[held.number], held.stamp, held.data
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        return None
+        super().__init__()
 
     def _held(self) -> Iterator[Held]:
         """Yield the connections and messages; past a damaged chunk it goes on with the next."""

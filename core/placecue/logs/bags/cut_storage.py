@@ -5,11 +5,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Collection, Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import apsw
 from rosbags.interfaces import (
@@ -19,16 +18,16 @@ from rosbags.interfaces import (
     MessageDefinitionFormat,
 )
 
+from placecue.logs.bags.cut_reader import CutReader, Held
+
 FORMATS = {"ros2msg": MessageDefinitionFormat.MSG, "ros2idl": MessageDefinitionFormat.IDL}
 NO_DEFINITION = MessageDefinition(MessageDefinitionFormat.NONE, "")
 #: What compressed messages begin with (RFC 8878); those of ROS begin with their byte order.
 ZSTD = b"\x28\xb5\x2f\xfd"
 
-Row = tuple[str, int, bytes]  # name of the topic, time (ns), message
 
-
-class CutStorage:
-    """What can be read of sqlite files without their end; has the methods of a rosbags reader.
+class CutStorage(CutReader):
+    """What can be read of sqlite files without their end.
 
     Messages come in the order of the files: those before the damage, and those behind it.
 
@@ -36,64 +35,24 @@ class CutStorage:
     ----------
     files : sequence of Path
         The storage files of one bag, in order.
-
-    Attributes
-    ----------
-    connections : list of rosbags Connection
-        Who published what, with the number of messages that are left.
-    start_time, end_time : int
-        Time of the first message, and after that of the last, ns.
-    message_count : int
-        How many messages are left.
     """
 
     def __init__(self, files: Sequence[Path]) -> None:
         self.files = files
-        self.start_time, self.end_time = 2**63 - 1, 0
-        found: dict[str, Connection] = {}
-        for file in files:
-            with closing(_opened(file)) as base:
-                for each in _connections(base):
-                    found.setdefault(each.topic, each._replace(id=len(found) + 1))
-        counts: Counter[str] = Counter()
-        for topic, stamp, _ in self._rows():
-            counts[topic] += 1
-            self.start_time = min(self.start_time, stamp)
-            self.end_time = max(self.end_time, stamp + 1)
-        self.connections = [each._replace(msgcount=counts[name]) for name, each in found.items()]
-        self.message_count = counts.total()
+        super().__init__()
 
-    def messages(
-        self, connections: Collection[Connection], start: int | None = None, stop: int | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
-        """Yield connection, time (ns) and bytes of the messages of some connections.
-
-        Parameters
-        ----------
-        connections : collection of rosbags Connection
-            The wanted ones.
-        start, stop : int, optional
-            First time to give, and the one to stop before, ns.
-        """
-        wanted = {each.topic: each for each in connections}
-        for topic, stamp, data in self._rows():
-            since = start is None or stamp >= start
-            if topic in wanted and since and (stop is None or stamp < stop):
-                yield wanted[topic], stamp, data
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        return None
-
-    def _rows(self) -> Iterator[Row]:
+    def _held(self) -> Iterator[Held]:
+        numbers: dict[str, int] = {}  # a topic has one in each file, and here one in all
         for file in self.files:
             with closing(_opened(file)) as base:
-                names = {number: name for number, name, *_ in _table(base, "topics", TOPIC)}
-                for number, stamp, data in _messages(base):
-                    if number in names and not data.startswith(ZSTD):
-                        yield names[number], stamp, data
+                here = {}
+                for each in _connections(base):
+                    number = numbers.setdefault(each.topic, len(numbers) + 1)
+                    here[each.id] = number
+                    yield Held(number, 0, b"", each._replace(id=number))
+                for topic, stamp, data in _messages(base):
+                    if topic in here and not data.startswith(ZSTD):
+                        yield Held(here[topic], stamp, data)
 
 
 TOPIC = "id, name, type, serialization_format"

@@ -23,7 +23,7 @@ class FeatureKind(StrEnum):
     PARTS = "features in parts"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, weakref_slot=True)
 class DescriptorSets:
     """A batch of sets of local descriptors, one set a sample, stored end to end.
 
@@ -56,7 +56,7 @@ class DescriptorSets:
 OnePart: TypeAlias = NDArray[np.floating] | sparse.csr_array | DescriptorSets
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, weakref_slot=True)
 class FeatureParts:
     """A batch of features that come in named parts, each of a kind of its own.
 

@@ -91,15 +91,19 @@ class KeptGrams(Grams):
         self._shared: dict[tuple[str, str, str], Any] = {}
         self._last: tuple[tuple[str, str, str], Gram] | None = None
 
+    def digest(self, features: FeatureBatch) -> str:
+        """Return what tells n samples apart from all others."""
+        return str(joblib.hash(features))
+
     def known(self, features: FeatureBatch) -> str | None:
         """Keep n training samples, and return what they are called: a digest."""
-        name = _digest(features)
+        name = self.digest(features)
         self._batches.setdefault(name, features)
         return name
 
     def shared(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Any:
         """Return what the kernel shares; computed once for samples and kernel."""
-        key = (_without_light(kernel), _digest(a), "" if b is None else _digest(b))
+        key = (_without_light(kernel), self.digest(a), "" if b is None else self.digest(b))
         # What was asked for last stands last.
         found = self._shared.pop(key) if key in self._shared else super().shared(kernel, a, b)
         self._shared[key] = found
@@ -109,7 +113,7 @@ class KeptGrams(Grams):
 
     def gram(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the kernel between ``a`` and ``b``, shape (n, m); the last one is kept."""
-        key = (joblib.hash(kernel), _digest(a), "" if b is None else _digest(b))
+        key = (joblib.hash(kernel), self.digest(a), "" if b is None else self.digest(b))
         if self._last is None or self._last[0] != key:
             self._last = key, self.finished(kernel, self.shared(kernel, a, b), a, b)
         return self._last[1].copy()
@@ -167,7 +171,3 @@ def _without_light(kernel: Kernel) -> str:
     copy: Any = deepcopy(kernel)
     copy.set_params(**dict.fromkeys(kernel.light_parameters))
     return str(joblib.hash(copy))
-
-
-def _digest(features: FeatureBatch) -> str:
-    return str(joblib.hash(features))

@@ -14,6 +14,7 @@ from contextlib import suppress
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,8 @@ log = logging.getLogger(__name__)
 class StoredGrams(KeptGrams):
     """Keeps the Gram blocks of kernels that learn nothing in a folder.
 
-    Blocks of others, and where the folder cannot be written to, are kept in memory alone.
+    Blocks of others, and where the folder cannot be written to, are kept in memory alone. Digests
+    are worked out once for each batch, which must stay as it is.
 
     Parameters
     ----------
@@ -48,12 +50,20 @@ class StoredGrams(KeptGrams):
         self.folder = Path(cache) / FOLDER
         self._lights: dict[str, dict[str, Kernel]] = {}
         self._writable = True
+        self._digests: dict[int, tuple[ref[FeatureBatch], str]] = {}
+
+    def digest(self, features: FeatureBatch) -> str:
+        """Return a digest of n samples, the same in every process."""
+        known = self._digests.get(id(features))
+        if known is None or known[0]() is not features:  # another one may have its id after it
+            known = self._digests[id(features)] = ref(features), _digest(features)
+        return known[1]
 
     def gram(self, kernel: Kernel, a: FeatureBatch, b: FeatureBatch | None = None) -> Gram:
         """Return the kernel between ``a`` and ``b``, shape (n, m), computed once for all runs."""
         if _has_learned(kernel):
             return super().gram(kernel, a, b)
-        names = _digest(a), _digest(a if b is None else b)
+        names = self.digest(a), self.digest(a if b is None else b)
         if b is not None and names[0] > names[1]:
             return np.ascontiguousarray(self._block(kernel, b, a, names[::-1]).T)
         return self._block(kernel, a, b, names)

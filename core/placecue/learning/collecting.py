@@ -49,7 +49,8 @@ class _Gathered:
 
     def extract(self, observations: Sequence[Observation]) -> _Extracted:
         """Return what the cue makes of a batch."""
-        _, failed = ready(self.cue, observations)
+        # Features that are kept need no image: only copies of it do, or a cue that learns later.
+        failed = {} if len(self.views) == 1 else ready(self.cue, observations)[1]
         views = []
         if self.views[1:] and not self.kept[0] and len(failed) < len(observations):
             told_apart(self.cue, observations[_others(len(observations), failed)[0]])

@@ -69,24 +69,37 @@ def fit_and_decide(task: JoinedTask) -> dict[Pair, str]:
     store = ScoresStore(task.bench.folder, registry)
     results = ResultStore(task.bench.folder)
     integrator: Integrator = build(task.method.integrator, "integrator", registry, task.method.name)
+    models = task.method.models
+    tested, wrong = _tested(task, store)
     began = perf_counter()
     try:
-        models = task.method.models
         fitting = _held_out(
             [_loaded(store, each, models, task.of_partner) for each in task.fitted_on],
             task.bench.scheme,
         )
-        schemes = Schemes.fit(integrator, fitting)
+        gaps = any(not each.evidence.known().all() for each in tested.values())
+        schemes = Schemes.fit(integrator, fitting, None if gaps else ())
     except PlacecueError as error:
         return dict.fromkeys(task.tests, f"{task.method.name}: {error}")
-    seconds, wrong = perf_counter() - began, {}
-    for pair, (digests, digest) in task.tests.items():
+    seconds = perf_counter() - began
+    for pair, joined in tested.items():
         try:
-            said = _loaded(store, digests, models, task.of_partner)
-            results.save(_decided(task, pair, schemes, said, seconds, digest))
+            results.save(_decided(task, pair, schemes, joined, seconds))
         except PlacecueError as error:
             wrong[pair] = f"{task.method.name} on {pair.test}: {error}"
     return wrong
+
+
+def _tested(task: JoinedTask, store: ScoresStore) -> tuple[dict[Pair, Aligned], dict[Pair, str]]:
+    """Return what the models say of each test, and why that of some is not there."""
+    found: dict[Pair, Aligned] = {}
+    wrong = {}
+    for pair, (digests, _) in task.tests.items():
+        try:
+            found[pair] = align(_loaded(store, digests, task.method.models, task.of_partner))
+        except PlacecueError as error:
+            wrong[pair] = f"{task.method.name} on {pair.test}: {error}"
+    return found, wrong
 
 
 def _loaded(
@@ -100,10 +113,9 @@ def _loaded(
 
 
 def _decided(
-    task: JoinedTask, pair: Pair, schemes: Schemes, said: Mapping[str, Said], seconds: float,
-    digest: str,
-) -> Result:  # fmt: skip
-    joined = align(said)
+    task: JoinedTask, pair: Pair, schemes: Schemes, joined: Aligned, seconds: float
+) -> Result:
+    _, digest = task.tests[pair]
     evidence = CountedEvidence(joined.evidence)
     began = perf_counter()
     scores, _ = schemes.integrate(evidence, skip=task.bench.skip)

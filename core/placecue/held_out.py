@@ -37,6 +37,9 @@ class HeldOut:
         :class:`placecue.TrainingSet`.
     costs : mapping of str to float, optional
         What each cue takes, ms a sample, where an integrator wants to be told.
+    whole : bool
+        Whether all that is integrated afterwards is known to have every cue, so that nothing need
+        be learned for where some are missing.
     """
 
     evidence: Evidence
@@ -46,6 +49,7 @@ class HeldOut:
     folds: FoldScheme = field(default_factory=InterleavedChunks)
     part: bool = False
     costs: Mapping[str, float] | None = None
+    whole: bool = False
 
     def __post_init__(self) -> None:
         n = len(self.evidence)

@@ -62,7 +62,8 @@ class Schemes:
         held_out : HeldOut
             Evidence with gaps. Each scheme is fitted on the samples that have its cues.
         sets : iterable of tuple of str, optional
-            Which sets there are to be schemes for; by default as :func:`sets_of` says.
+            Which sets there are to be schemes for; by default as :func:`sets_of` says, and that
+            of all cues alone where ``held_out.whole``.
 
         Raises
         ------
@@ -76,7 +77,9 @@ class Schemes:
         having = _having(held_out, cues)
         call(integrator, "train", having)
         found = cls({cues: integrator}, _layout(integrator, having))
-        for some in sets_of(cues) if sets is None else sets:
+        if sets is None:
+            sets = () if held_out.whole else sets_of(cues)
+        for some in sets:
             if some not in found.by_cues and not found._tells(some, having):
                 scheme = unfitted(integrator)
                 call(scheme, "train", _having(held_out, some))

@@ -59,6 +59,14 @@ def test_a_cue_alone_says_the_same_kind_as_the_sums() -> None:
     np.testing.assert_array_equal(alone.values, np.abs(of_cue[1].values))
 
 
+def test_where_no_cue_will_be_missing_there_is_one_scheme() -> None:
+    layout, truth = OneAgainstAll(("hall", "lab")), np.arange(20) % 2
+    scores = Scores(np.eye(2)[truth], layout)
+    evidence = StoredEvidence(dict.fromkeys(("crfh", "laser", "sift"), scores))
+    held_out = HeldOut(evidence, np.array(["hall", "lab"])[truth], whole=True)
+    assert list(Schemes.fit(GDAS(), held_out).by_cues) == [("crfh", "laser", "sift")]
+
+
 def test_where_an_integrator_fails_throughout_the_others_go_on() -> None:
     class Own(Integrator):
         def fit(self, evidence, labels, stamps=None):  # type: ignore[no-untyped-def]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -327,6 +328,20 @@ def test_five_cues_have_schemes_for_every_beginning() -> None:
     assert made.integrate(held_out.evidence).available().all()
     some = made.integrate(held_out.evidence.only(list("abcde")).take([0, 1]))
     assert some.available().all()
+
+
+def test_where_no_cue_will_be_missing_only_what_is_asked_is_learned() -> None:
+    held_out = some_evidence(laser=0.4, crfh=0.4, sift=0.4)
+    order = ["laser", "crfh", "sift"]
+    every = Confidence(Sum(), order=order).train(held_out)
+    made = Confidence(Sum(), order=order).train(replace(held_out, whole=True))
+    assert made.sets_ == [order, order[:2], order[:1]]
+    unseen = some_evidence(seed=1, laser=0.4, crfh=0.4, sift=0.4).evidence
+    np.testing.assert_array_equal(made.integrate(unseen).values, every.integrate(unseen).values)
+    # One that is missing after all does not stop it.
+    gaps, there = gappy()
+    found = made.integrate(gaps.evidence).available()
+    np.testing.assert_array_equal(found, there.any(axis=1))
 
 
 def test_confidence_does_not_stand_inside_itself() -> None:

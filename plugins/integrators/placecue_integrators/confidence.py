@@ -138,6 +138,8 @@ class Confidence(Integrator):
     def train(self, held_out: HeldOut) -> Self:
         """Fit a scheme for every set of cues, and find thresholds.
 
+        Where ``held_out.whole``, for those sets alone that are asked when no cue is missing.
+
         Raises
         ------
         UsageError
@@ -150,8 +152,8 @@ class Confidence(Integrator):
             raise UsageError("confidence needs an integrator, such as integrator={plugin: gdas}")
         self._order(held_out)
         ordered = held_out.only(self.cues_)
-        prefixes = [tuple(self.cues_[:n]) for n in range(1, len(self.cues_))]
-        sets = sets_of(self.cues_, prefixes)
+        stages = [tuple(self.cues_[:n]) for n in range(len(self.cues_), 0, -1)]
+        sets = stages if held_out.whole else sets_of(self.cues_, stages)
         base = clone(self.integrator)
         schemes = Schemes.fit(base, ordered, sets)
         # Of many cues there are not all sets; a set needs schemes for its own beginnings.
@@ -163,11 +165,11 @@ class Confidence(Integrator):
         unseen = self._out_of_fold(ordered, base, sets)
         self.thresholds_ = np.full((len(staged), max(len(self.cues_) - 1, 1)), np.nan)
         for row, cues in enumerate(staged):
-            stages = self._stages(unseen, ordered.labels, cues)
-            found = self._thresholds(stages, full=row == 0)
+            decided = self._stages(unseen, ordered.labels, cues)
+            found = self._thresholds(decided, full=row == 0)
             self.thresholds_[row, : len(found)] = found
             if row == 0:
-                self.trade_off_ = _trade_off(stages, cues, found)
+                self.trade_off_ = _trade_off(decided, cues, found)
         return self
 
     def summary(self) -> str:

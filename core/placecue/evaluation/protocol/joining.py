@@ -77,8 +77,8 @@ def fit_and_decide(task: JoinedTask) -> dict[Pair, str]:
             [_loaded(store, each, models, task.of_partner) for each in task.fitted_on],
             task.bench.scheme,
         )
-        gaps = any(not each.evidence.known().all() for each in tested.values())
-        schemes = Schemes.fit(integrator, fitting, None if gaps else ())
+        whole = all(each.evidence.known().all() for each in tested.values())
+        schemes = Schemes.fit(integrator, replace(fitting, whole=bool(whole)))
     except PlacecueError as error:
         return dict.fromkeys(task.tests, f"{task.method.name}: {error}")
     seconds = perf_counter() - began

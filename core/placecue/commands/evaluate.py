@@ -35,6 +35,7 @@ from placecue.errors import DataError, UsageError
 from placecue.evaluation.executors.backends import executor_of
 from placecue.evaluation.figures.spec import of_methods
 from placecue.evaluation.protocol.bench import Bench
+from placecue.evaluation.protocol.edges import at_edges
 from placecue.evaluation.protocol.evaluation import Evaluation, check_some
 from placecue.evaluation.protocol.methods import Methods, methods_of, specs_of_words
 from placecue.evaluation.protocol.plan import Protocol
@@ -124,7 +125,7 @@ def evaluate(
         about,
         recordings=run.recordings,
         seconds=run.seconds,
-        warnings=warnings.lines,
+        warnings=[*warnings.lines, *at_edges(methods.models, ordered)],
         failures=[
             {"method": each.method, "pair": list(each.pair), "error": each.error}
             for each in run.wrong

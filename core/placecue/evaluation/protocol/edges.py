@@ -1,0 +1,56 @@
+"""Grids that end where the best values lie: there may be better ones beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from placecue.evaluation.protocol.methods import SingleCue
+from placecue.evaluation.results.result import Result
+
+#: Of fewer trainings nothing is said.
+FEWEST = 3
+
+
+def at_edges(models: Mapping[str, SingleCue], results: Sequence[Result]) -> list[str]:
+    """Return a line for each parameter whose chosen value is an end of its grid in every training.
+
+    Parameters
+    ----------
+    models : mapping of str to SingleCue
+        The single-cue models of an experiment.
+    results : sequence of Result
+        Its results.
+    """
+    lines = []
+    for name, model in models.items():
+        chosen = {
+            (each.pair.world, each.pair.train): each.settings
+            for each in results
+            if each.method == name and not each.error
+        }
+        if len(chosen) < FEWEST:
+            continue
+        for parameter, values in (model.classifier.get("search") or {}).items():
+            taken = {settings.get(parameter) for settings in chosen.values()}
+            end = _end(values, taken)
+            if end:
+                lines.append(
+                    f"{parameter} = {taken.pop():g} of {name} is the {end} of its grid, and was "
+                    f"chosen in all {len(chosen)} trainings; better ones may lie beyond"
+                )
+    return lines
+
+
+def _end(values: Any, taken: set[Any]) -> str | None:
+    """Return which end of a grid the only value that was taken is."""
+    if not isinstance(values, Sequence) or len(taken) != 1 or len(set(map(str, values))) < 2:
+        return None
+    [value] = taken
+    if not all(_is_number(each) for each in (*values, value)):
+        return None
+    return {min(values): "smallest", max(values): "largest"}.get(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -7,7 +7,7 @@ import pytest
 from sklearn.svm import SVC
 
 from placecue_classifiers.machines import one_against_one, one_against_one_at
-from placecue_classifiers.smo import block, path
+from placecue_classifiers.smo import Runs, block, path
 
 
 def problem(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -31,6 +31,20 @@ def test_machines_are_those_of_libsvm(n: int) -> None:
         outputs = gram @ found.coefficients[k] + found.intercepts[k]
         # The conditions of the optimum hold to within 1e-3.
         assert outputs == pytest.approx(peer.decision_function(gram), abs=5e-3)
+
+
+@pytest.mark.parametrize("runs", [Runs(0, 30, 50), Runs(7, 50, 0), Runs(20, 1, 40)])
+def test_two_runs_of_a_larger_matrix_are_as_good_as_a_copy(runs: Runs) -> None:
+    gram, signs, weights = problem(120, 6)
+    second = min(50, 120 - runs.second) if runs.second else 0
+    rows = np.r_[runs.first : runs.first + runs.length, runs.second : runs.second + second]
+    signs = signs[rows]
+    signs[:2] = 1, -1
+    costs = np.array([0.1, 10.0])
+    apart = path(gram, signs, weights[rows], costs, 100_000, runs)
+    copied = path(gram[np.ix_(rows, rows)], signs, weights[rows], costs, 100_000)
+    np.testing.assert_array_equal(apart.coefficients, copied.coefficients)
+    np.testing.assert_array_equal(apart.intercepts, copied.intercepts)
 
 
 def test_coefficients_keep_to_their_constraints() -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 from typing import Literal
 
@@ -21,7 +21,7 @@ from sklearn.svm import SVC
 
 from placecue.interrupting import interruptible
 from placecue_classifiers.convergence import Parted, iteration_limit, note
-from placecue_classifiers.smo import block, path
+from placecue_classifiers.smo import Path, Runs, block, path
 
 Matrix = NDArray[np.float64]
 Codes = NDArray[np.int64]
@@ -125,7 +125,7 @@ def _along_costs(
     iterations = dict.fromkeys(order, 0)
     for column, classes in enumerate(parted):
         problem = _Problem.of(gram, codes, weights, classes)
-        along = path(problem.gram, problem.signs, problem.weights, np.array(order), problem.soon)
+        along = problem.along(np.array(order))
         for k, C in enumerate(order):
             if along.finished[k]:
                 found[C].coefficients[problem.rows, column] = along.coefficients[k]
@@ -140,12 +140,12 @@ def _along_costs(
     return [found[C] for C in costs]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Problem:
-    """What one machine is trained on: k samples of two sides, of which the first is positive."""
+    """What one machine is trained on: k of n samples, of two sides, of which one is positive."""
 
+    whole: Matrix
     rows: Codes
-    gram: Matrix
     sides: Codes
     first: int
     weights: Matrix
@@ -154,13 +154,35 @@ class _Problem:
     def of(cls, gram: Matrix, codes: Codes, weights: Weights, classes: Parted) -> _Problem:
         """Take the samples of a pair of classes, or all of them for one against the rest."""
         if len(classes) == 1:
-            rows, own = np.arange(len(codes)), gram  # the whole matrix is not copied
+            rows = np.arange(len(codes))
         else:
             rows = np.flatnonzero((codes == classes[0]) | (codes == classes[1]))
-            own = block(gram, rows, rows)
         first = codes[rows] == classes[0]
         sides = codes[rows] if len(classes) == 2 else np.where(first, classes[0], -1)
-        return cls(rows, own, sides, classes[0], _of_samples(weights, first, codes[rows]))
+        return cls(gram, rows, sides, classes[0], _of_samples(weights, first, codes[rows]))
+
+    @cached_property
+    def gram(self) -> Matrix:
+        """The kernel between the k samples, shape (k, k)."""
+        if len(self.rows) == len(self.whole):
+            return self.whole
+        found: Matrix = block(self.whole, self.rows, self.rows)
+        return found
+
+    def along(self, costs: Matrix) -> Path:
+        """Train the machine with each of some costs, in increasing order, as far as it is easy."""
+        runs = self._runs()
+        gram = self.gram if runs is None else self.whole
+        return path(gram, self.signs, self.weights, costs, self.soon, runs)
+
+    def _runs(self) -> Runs | None:
+        """Return where the samples lie in the whole, if they do so in two runs at most."""
+        breaks = np.flatnonzero(np.diff(self.rows) != 1) + 1
+        if not len(self.rows) or len(breaks) > 1:
+            return None
+        length = int(breaks[0]) if len(breaks) else len(self.rows)
+        second = int(self.rows[length]) if len(breaks) else 0
+        return Runs(int(self.rows[0]), length, second)
 
     @property
     def signs(self) -> Matrix:

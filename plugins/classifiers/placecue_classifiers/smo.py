@@ -43,12 +43,38 @@ class Path:
     finished: NDArray[np.bool_]
 
 
-def path(gram: Matrix, signs: Matrix, weights: Matrix, costs: Matrix, limit: int) -> Path:
+@dataclass(frozen=True, slots=True)
+class Runs:
+    """Which rows of a larger Gram matrix n samples are: two runs of them, used where they lie.
+
+    Parameters
+    ----------
+    first : int
+        Where the first run begins.
+    length : int
+        How long it is; all that are left of the n samples are the second.
+    second : int
+        Where that one begins.
+    """
+
+    first: int
+    length: int
+    second: int
+
+
+def path(
+    gram: Matrix,
+    signs: Matrix,
+    weights: Matrix,
+    costs: Matrix,
+    limit: int,
+    runs: Runs | None = None,
+) -> Path:
     """Train a machine for each cost.
 
     Parameters
     ----------
-    gram : ndarray of float64, shape (n, n)
+    gram : ndarray of float64, shape (n, n), or larger where ``runs`` says which rows count
         Kernel between the training samples.
     signs : ndarray of float64, shape (n,)
         1 and -1, each at least once.
@@ -58,6 +84,8 @@ def path(gram: Matrix, signs: Matrix, weights: Matrix, costs: Matrix, limit: int
         In increasing order.
     limit : int
         After so many iterations a machine is left unfinished, and so are those of larger costs.
+    runs : Runs, optional
+        Which rows and columns of ``gram`` the n samples are; all of them by default.
 
     References
     ----------
@@ -72,10 +100,14 @@ def path(gram: Matrix, signs: Matrix, weights: Matrix, costs: Matrix, limit: int
         np.zeros(number, dtype=np.bool_),
     )
     beta, error = np.zeros(n), signs.copy()
-    diagonal = np.ascontiguousarray(np.diagonal(gram))
+    of_all = np.diagonal(gram)
+    runs = runs or Runs(0, n, 0)
+    where = runs.first, runs.length, runs.second
+    one, two = of_all[runs.first :][: runs.length], of_all[runs.second :][: n - runs.length]
+    diagonal = np.concatenate([one, two])
     for k, cost in enumerate(costs):
         box = np.where(signs > 0, 0.0, -cost * weights), np.where(signs > 0, cost * weights, 0.0)
-        iterations, intercept, finished = _solve(gram, diagonal, *box, beta, error, limit)
+        iterations, intercept, finished = _solve(gram, *where, diagonal, *box, beta, error, limit)
         found.coefficients[k], found.intercepts[k] = beta, intercept
         found.iterations[k], found.finished[k] = iterations, finished
         if not finished:
@@ -97,6 +129,9 @@ def block(gram: NDArray[Any], rows: NDArray[Any], columns: NDArray[Any]) -> Any:
 @njit(cache=True, nogil=True)
 def _solve(
     gram: NDArray[Any],
+    first: int,
+    length: int,
+    second: int,
     diagonal: NDArray[Any],
     low: NDArray[Any],
     high: NDArray[Any],
@@ -111,6 +146,7 @@ def _solve(
     error than one that can go down.
     """
     n = len(beta)
+    one, two = slice(first, first + length), slice(second, second + n - length)
     for iteration in range(limit):
         up, largest, smallest = -1, -np.inf, np.inf
         for t in range(n):
@@ -120,24 +156,53 @@ def _solve(
                 smallest = error[t]
         if largest - smallest < TOLERANCE:
             return iteration, _intercept(low, high, beta, error, largest, smallest), True
-        row_up = gram[up]
-        down, gain = -1, -1.0
-        for t in range(n):
-            if beta[t] > low[t] and error[t] < largest:
-                ahead = largest - error[t]
-                curve = max(diagonal[up] + diagonal[t] - 2 * row_up[t], _FLAT)
-                if ahead * ahead > gain * curve:
-                    down, gain = t, ahead * ahead / curve
-        curve = max(diagonal[up] + diagonal[down] - 2 * row_up[down], _FLAT)
+        row_up = gram[first + up if up < length else second + up - length]
+        chosen = _down(row_up[one], 0, -1, -1.0, up, diagonal, low, beta, error)
+        down, _ = _down(row_up[two], length, *chosen, up, diagonal, low, beta, error)
+        together = row_up[first + down if down < length else second + down - length]
+        curve = max(diagonal[up] + diagonal[down] - 2 * together, _FLAT)
         step = (error[up] - error[down]) / curve
         room_up, room_down = high[up] - beta[up], beta[down] - low[down]
         step = min(step, min(room_up, room_down))
         beta[up] = high[up] if step == room_up else beta[up] + step
         beta[down] = low[down] if step == room_down else beta[down] - step
-        row_down = gram[down]
-        for t in range(n):  # a loop of its own, which is worked on several at a time
-            error[t] -= step * (row_up[t] - row_down[t])
+        row_down = gram[first + down if down < length else second + down - length]
+        _follow(error[:length], row_up[one], row_down[one], step)
+        _follow(error[length:], row_up[two], row_down[two], step)
     return limit, 0.0, False
+
+
+@njit(cache=True, nogil=True)
+def _down(
+    row_up: NDArray[Any],
+    offset: int,
+    down: int,
+    gain: float,
+    up: int,
+    diagonal: NDArray[Any],
+    low: NDArray[Any],
+    beta: NDArray[Any],
+    error: NDArray[Any],
+) -> tuple[int, float]:
+    """Return which of a run of samples gains most by going down, if more than one before, and it.
+
+    The gain is that of the second-order approximation, with ``up`` going up.
+    """
+    for k in range(len(row_up)):
+        t = offset + k
+        if beta[t] > low[t] and error[t] < error[up]:
+            ahead = error[up] - error[t]
+            curve = max(diagonal[up] + diagonal[t] - 2 * row_up[k], _FLAT)
+            if ahead * ahead > gain * curve:
+                down, gain = t, ahead * ahead / curve
+    return down, gain
+
+
+@njit(cache=True, nogil=True)
+def _follow(error: NDArray[Any], up: NDArray[Any], down: NDArray[Any], step: float) -> None:
+    """Bring the errors of a run of samples up to date, several at a time."""
+    for t in range(len(error)):
+        error[t] -= step * (up[t] - down[t])
 
 
 @njit(cache=True, nogil=True)

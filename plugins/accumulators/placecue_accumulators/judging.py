@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from placecue.belief import Belief
 from placecue.checks import check_number
-from placecue.distribution import doubted, log_odds, softmax
+from placecue.distribution import doubted, log_odds, softmax, tempered
 from placecue.errors import UsageError
 from placecue.scores import Layout, Probabilities
 from placecue.semantic_map import UNKNOWN
@@ -68,6 +68,9 @@ class Judge:
         The share of places at which beliefs may say anything, 0 to 1.
     most_bins : float
         More bins make no surer than this many.
+    temperature : float
+        Log odds of a place are divided by this before they are told: beliefs in a building that
+        was not trained on err alike.
     """
 
     layout: Layout
@@ -77,6 +80,7 @@ class Judge:
     independent: float
     doubt: float
     most_bins: float
+    temperature: float
 
     def likelihoods(self, sums: BinSums) -> Values:
         """Return the log-likelihood of each class, up to a constant, shape (M,)."""
@@ -93,7 +97,11 @@ class Judge:
 
     def probabilities(self, sums: BinSums) -> Values:
         """Return the probability of each class, shape (M,)."""
-        return doubted(softmax(self.likelihoods(sums)), self.doubt)
+        return self.told(softmax(self.likelihoods(sums)))
+
+    def told(self, probabilities: Values) -> Values:
+        """Return how probable the classes of places are told to be, shape (..., M)."""
+        return doubted(tempered(probabilities, self.temperature), self.doubt)
 
     def judge(self, sums: BinSums) -> Judgement:
         """Judge scores of a bin or more."""
@@ -124,6 +132,7 @@ class Judging(Protocol):
     independent: float
     doubt: float
     prior_bins: float
+    temperature: float
     judge_: Judge | None
 
 
@@ -147,14 +156,16 @@ def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
         independent=owner.independent,
         doubt=owner.doubt,
         most_bins=owner.prior_bins,
+        temperature=owner.temperature,
     )
 
 
 def check_judging(owner: Judging) -> None:
-    """Raise UsageError if a share of an accumulator is not between 0 and 1, or it is not sharp."""
+    """Raise UsageError if a share is not between 0 and 1, or another number not above 0."""
     for name in ("label_probability", "doubt"):
         check_number(name, getattr(owner, name), least=0, below=1)
     check_number("independent", owner.independent, least=0, most=1)
+    check_number("temperature", owner.temperature, above=0)
     if owner.sharpness is not None:
         check_number("sharpness", owner.sharpness, above=0)
 

@@ -62,6 +62,9 @@ class SpatioTemporal(Accumulator):
         A door no farther than this from an earlier one makes no gateway, m.
     prior_bins : float
         What is stored of earlier visits counts as at most this many bins.
+    temperature : float
+        Log odds of a place are divided by this before they are told: how much less beliefs are
+        worth in a building that the model was not trained in. 1 for one that it was.
     merge : {"none", "open", "all"}
         Which neighbouring areas of one label are one in the map given out: none, those without a
         door between them, or all. The evidence stays apart.
@@ -101,6 +104,7 @@ class SpatioTemporal(Accumulator):
         node_spacing: float = 1.0,
         gateway_spacing: float = 2.0,
         prior_bins: float = 20.0,
+        temperature: float = 1.0,
         merge: Merge = "none",
     ) -> None:
         self.boundary = boundary
@@ -117,6 +121,7 @@ class SpatioTemporal(Accumulator):
         self.node_spacing = node_spacing
         self.gateway_spacing = gateway_spacing
         self.prior_bins = prior_bins
+        self.temperature = temperature
         self.merge = merge
 
     def reset(self) -> None:

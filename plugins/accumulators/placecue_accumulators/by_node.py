@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
 from placecue.checks import check_number, check_whole
-from placecue.distribution import doubted, softmax
+from placecue.distribution import softmax
 from placecue.errors import UsageError
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
@@ -36,6 +36,8 @@ Values = NDArray[np.float64]
 
 #: While the robot drives, its node hears of those so many edges away.
 REACH = 6
+#: A robot so far behind a door, m, is in the room there.
+LOOKING_IN = 0.5
 
 
 class NodeAccumulator(Accumulator):
@@ -58,6 +60,7 @@ class NodeAccumulator(Accumulator):
     node_spacing: float
     gateway_spacing: float
     prior_bins: float
+    temperature: float
 
     @abstractmethod
     def _probabilities(self, likelihoods: Values, edges: Sequence[tuple[int, int]]) -> Values:
@@ -108,7 +111,7 @@ class NodeAccumulator(Accumulator):
                     f"this accumulator takes no boundary {type(each).__name__}, as what is "
                     "believed parts its areas anyway: give doors, or none ([])"
                 )
-        self.graph_ = NavigationGraph(self.node_spacing, self.gateway_spacing)
+        self.graph_ = NavigationGraph(self.node_spacing, self.gateway_spacing, LOOKING_IN)
         self.here_ = ViewpointHistogram(None)
         self.priors_: dict[int, BinSums] = {}
         self.ways_: dict[int, Way] = {}
@@ -154,7 +157,7 @@ class NodeAccumulator(Accumulator):
         edges = sorted(self.graph_.edges)
         classes = self.judge_.layout.classes if self.judge_ else ()
         found = self._probabilities(self._likelihoods(), edges) if classes else np.zeros((n, 0))
-        found = doubted(found, self.doubt) if classes else found
+        found = self.judge_.told(found) if self.judge_ else found
         labels = [self._label(row, classes) for row in found]
         area_of, ways = self._areas(labels, edges), self._ways()
         members: dict[int, list[int]] = {}
@@ -351,7 +354,7 @@ class NodeAccumulator(Accumulator):
             self.context_ = self._context()
         sums = self.priors_.get(node, BinSums()) + self.here_.sums()  # behind a door too
         found = self.context_ * self._alone(judge.likelihoods(sums))
-        found = doubted(found / found.sum(), self.doubt)
+        found = judge.told(found / found.sum())
         label = self._label(found, judge.layout.classes)
         if self.at_ == (node, label):
             return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, cos, floor, hypot, inf, sin
 
@@ -39,6 +39,10 @@ class Place:
         """
         (a, u), (b, v) = self._seen(one), self._seen(other)
         return a * b < 0 and abs(u + (v - u) * a / (a - b)) <= half_width
+
+    def depth(self, place: Place) -> float:
+        """Return how far a position is in front of this door or behind it, m."""
+        return abs(self._seen(place)[0])
 
     def _seen(self, place: Place) -> tuple[float, float]:
         """Return a position along the passage and across it, m."""
@@ -86,16 +90,18 @@ class Neighbourhood:
 
     def nearest(self, x: float, y: float, within: float) -> int | None:
         """Return the number of the nearest point no farther than ``within`` m, or None."""
+        found = min(self.within(x, y, within), key=lambda each: each[0], default=None)
+        return None if found is None else found[1]
+
+    def within(self, x: float, y: float, distance: float) -> Iterator[tuple[float, int]]:
+        """Yield how far each point is that is no farther than a distance, m, and its number."""
         column, row = self._cell_of(x, y)
-        reach = ceil(within / self.cell)
-        best, found = within, None
+        reach = ceil(distance / self.cell)
         for i in range(column - reach, column + reach + 1):
             for j in range(row - reach, row + reach + 1):
                 for px, py, number in self._cells.get((i, j), ()):
-                    distance = hypot(px - x, py - y)
-                    if distance < best or (distance == best and found is None):
-                        best, found = distance, number
-        return found
+                    if (far := hypot(px - x, py - y)) <= distance:
+                        yield far, number
 
     def _cell_of(self, x: float, y: float) -> tuple[int, int]:
         return floor(x / self.cell), floor(y / self.cell)
@@ -110,6 +116,9 @@ class NavigationGraph:
         A node is made where the robot is farther than this from every node, m.
     gateway_spacing : float
         A gateway no farther than this from another is ignored, m.
+    looking_in : float or None
+        A node is made too where the robot is so far behind a gateway, m, and there is none on
+        that side, so that a room into which it only looks is a place. None makes none.
 
     Attributes
     ----------
@@ -126,9 +135,15 @@ class NavigationGraph:
     indoor mobile robots, RAS 56(6), 2008.
     """
 
-    def __init__(self, spacing: float = 1.0, gateway_spacing: float = 2.0) -> None:
+    def __init__(
+        self,
+        spacing: float = 1.0,
+        gateway_spacing: float = 2.0,
+        looking_in: float | None = None,
+    ) -> None:
         self.spacing = spacing
         self.gateway_spacing = gateway_spacing
+        self.looking_in = looking_in
         self.places: list[Place] = []
         self.edges: set[tuple[int, int]] = set()
         self.current: int | None = None
@@ -145,7 +160,7 @@ class NavigationGraph:
             None where the robot is still at the current node.
         """
         nearest = self._near.nearest(x, y, self.spacing)
-        if nearest is None:
+        if nearest is None or self._looks_in(nearest, Place(x, y)):
             return self._go(self._make(Place(x, y)), new=True)
         return None if nearest == self.current else self._go(nearest, new=False)
 
@@ -209,6 +224,14 @@ class NavigationGraph:
                 left -= new
             pieces.append(sorted(piece))
         return sorted(pieces, key=lambda piece: (-len(piece), piece))
+
+    def _looks_in(self, node: int, here: Place) -> bool:
+        """Tell whether a position is behind a gateway, on a side where no node is near."""
+        door = self.places[node]
+        if self.looking_in is None or not door.gateway or door.depth(here) < self.looking_in:
+            return False
+        near = (self.places[n] for _, n in self._near.within(here.x, here.y, self.spacing))
+        return all(other.gateway or door.parts(here, other, inf) for other in near)
 
     def _make(self, place: Place) -> int:
         number = len(self.places)

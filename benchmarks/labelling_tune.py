@@ -33,7 +33,7 @@ BOUNDARY = "boundaries@accumulator.boundary"
 EVIDENCE = "accumulator.boundary.evidence"
 COMBINATIONS = [
     "door_noisy,evidence",
-    "never",
+    "none",
     "node",
     "door",
     "door_noisy",

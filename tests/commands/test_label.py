@@ -31,7 +31,7 @@ def room_at(x: float) -> str:
     return list(ROOMS)[round(x / 30.0)]
 
 
-@pytest.mark.parametrize("boundary", ["door", "door_noisy", "never", "node", "[door,evidence]"])
+@pytest.mark.parametrize("boundary", ["door", "door_noisy", "none", "node", "[door,evidence]"])
 def test_every_boundary(tmp_path: Path, model: Path, log_b: Path, boundary: str) -> None:
     out, chosen = tmp_path / "out", f"boundaries@accumulator.boundary={boundary}"
     words = ["accumulator=spatiotemporal", chosen]

@@ -188,6 +188,25 @@ class NodeAccumulator(Accumulator):
         """Return what a person should know of the map, a line each."""
         return self.doubts_.lines(self.semantic_map()) if hasattr(self, "graph_") else []
 
+    def evidence(self) -> tuple[Values, list[tuple[int, int]]]:
+        """Return what was seen at each node, as neighbours are learned of, and the edges.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, M)
+            Log-likelihood of each class, up to a constant.
+        list of (int, int)
+            Pairs of nodes.
+
+        Raises
+        ------
+        UsageError
+            If there was no belief yet that counts.
+        """
+        if getattr(self, "judge_", None) is None:
+            raise UsageError("nothing was believed of any place yet")
+        return self._likelihoods(), sorted(self.graph_.edges)
+
     def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in a moment without a pose: of a log without any, areas are windows of time."""
         self.doubts_.unplaced += 1

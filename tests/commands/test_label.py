@@ -88,7 +88,7 @@ def test_neighbours_learned_from_a_labelled_log(
     assert steps.sum(axis=1) == pytest.approx(1)
     assert steps.argmax(axis=1).tolist()[0] == 0  # the corridor is the longest
     weights = Neighbours.read(tmp_path / "weights.json", tuple(ROOMS)).weights
-    assert (weights == weights.T).all()
+    assert weights[0].argmax() == 0
 
 
 def test_accumulator_options_reach_it(tmp_path: Path, laser_model: Path, log_b: Path) -> None:

@@ -92,7 +92,7 @@ class Data:
         if not (path / "manifest.json").exists():
             words = [self._said(word) for word in models()[name]]
             cache = f"cache.folder={self.folder / 'cache'}"
-            self._run("train", *words, cache, f"out={path}", "overwrite=true")
+            self._run("train", *words, cache, f"out={path}", "overwrite=true", "report=false")
         return load_model(path, REGISTRY)
 
     def moments(self, test: Test) -> Moments:
@@ -186,7 +186,8 @@ def _plain(belief: Belief | None) -> Belief | None:
     if belief is None:
         return None
     told = belief.stamp, belief.scores, belief.label, belief.confidence
-    return Belief(*told, {}, sharpness=belief.sharpness)
+    worth = {"sharpness": belief.sharpness, "agreement": belief.agreement}
+    return Belief(*told, dict(belief.cue_scores), **worth)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """Learns from labelled logs which places lie beside one another, for the accumulators hmm and crf.
 
-    python examples/learn_neighbours.py MODEL LOG.mcap [LOG.mcap ...] OUT_FOLDER
+    python examples/learn_neighbours.py MODEL LOG.mcap [LOG.mcap ...] FOLDER
 
-writes OUT_FOLDER/transitions.json and OUT_FOLDER/weights.json, to be given as
+writes FOLDER/transitions.json and FOLDER/weights.json, to be given as
 
-    placecue label MODEL run.mcap accumulator=hmm accumulator.transitions=OUT_FOLDER/transitions.json
-    placecue label MODEL run.mcap accumulator.weights=OUT_FOLDER/weights.json
+    placecue label MODEL run.mcap accumulator=hmm accumulator.transitions=FOLDER/transitions.json
+    placecue label MODEL run.mcap accumulator.weights=FOLDER/weights.json
 
 The model must not have been trained on these logs, else it seems better than it is.
 """
@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from placecue.logs import open_log
 from placecue.components.manager import load_plugins
 from placecue.evaluation.area_scores import AreaTally
+from placecue.logs import open_log
 from placecue.pipeline import Pipeline
 from placecue.storage.model import load_model
 from placecue_accumulators.crf import RandomField

@@ -142,8 +142,9 @@ class NodeAccumulator(Accumulator):
         self._walk(pose, observation.stamp)
         if belief is None or not accepts(belief, self.accept_confidence):
             return None
-        self._judge_of(belief)
-        self.here_.add(self._viewpoint(pose), belief.scores.values[0])
+        viewpoint = self._viewpoint(pose)
+        self._judge_of(belief).strangeness.hear(belief, viewpoint)
+        self.here_.add(viewpoint, belief.scores.values[0])
         self.doubts_.count(belief.label)
         return self._news()
 
@@ -186,7 +187,10 @@ class NodeAccumulator(Accumulator):
 
     def warnings(self) -> list[str]:
         """Return what a person should know of the map, a line each."""
-        return self.doubts_.lines(self.semantic_map()) if hasattr(self, "graph_") else []
+        if not hasattr(self, "graph_"):
+            return []
+        strange = self.judge_.strangeness.lines() if self.judge_ else []
+        return [*strange, *self.doubts_.lines(self.semantic_map())]
 
     def evidence(self) -> tuple[Values, list[tuple[int, int]]]:
         """Return what was seen at each node, as neighbours are learned of, and the edges.

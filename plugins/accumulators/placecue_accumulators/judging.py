@@ -15,6 +15,7 @@ from placecue.errors import UsageError
 from placecue.scores import Layout, Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue_accumulators.histogram import BinSums
+from placecue_accumulators.strangeness import Strangeness
 
 Values = NDArray[np.float64]
 
@@ -71,6 +72,8 @@ class Judge:
     temperature : float
         Log odds of a place are divided by this before they are told: beliefs in a building that
         was not trained on err alike.
+    strangeness : Strangeness
+        And by its factor.
     """
 
     layout: Layout
@@ -81,6 +84,7 @@ class Judge:
     doubt: float
     most_bins: float
     temperature: float
+    strangeness: Strangeness
 
     def likelihoods(self, sums: BinSums) -> Values:
         """Return the log-likelihood of each class, up to a constant, shape (M,)."""
@@ -101,7 +105,8 @@ class Judge:
 
     def told(self, probabilities: Values) -> Values:
         """Return how probable the classes of places are told to be, shape (..., M)."""
-        return doubted(tempered(probabilities, self.temperature), self.doubt)
+        temperature = self.temperature * self.strangeness.factor
+        return doubted(tempered(probabilities, temperature), self.doubt)
 
     def judge(self, sums: BinSums) -> Judgement:
         """Judge scores of a bin or more."""
@@ -157,6 +162,7 @@ def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
         doubt=owner.doubt,
         most_bins=owner.prior_bins,
         temperature=owner.temperature,
+        strangeness=Strangeness(belief.agreement, len(layout.classes)),
     )
 
 

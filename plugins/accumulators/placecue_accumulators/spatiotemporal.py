@@ -167,6 +167,7 @@ class SpatioTemporal(Accumulator):
         viewpoint = journey.visit(pose, observation.stamp)  # be somewhere
         if belief is not None and accepts(belief, self.accept_confidence):
             journey.judge = self._judge_of(belief)
+            journey.judge.strangeness.hear(belief, viewpoint)
             journey.hear(observation, belief)  # end the area where beliefs have changed
             journey.accumulate(viewpoint, belief)  # add to the node and the area, and judge
             self.doubts_.count(belief.label)
@@ -203,7 +204,8 @@ class SpatioTemporal(Accumulator):
         """Return what a person should know of the map, a line each."""
         if not hasattr(self, "journey_"):
             return []
-        return self.doubts_.lines(self.semantic_map())
+        strange = self.judge_.strangeness.lines() if self.judge_ else []
+        return [*strange, *self.doubts_.lines(self.semantic_map())]
 
     def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in a moment without a pose: of a log without any, areas are windows of time."""

@@ -194,7 +194,7 @@ def test_a_door_parts_areas_of_one_label_and_belongs_to_the_first(kind):
 
 
 def test_what_is_said_of_areas_is_in_the_map():
-    accumulator, said = RandomField(boundary=[DoorsAt((5.4,))]), []
+    accumulator, said = RandomField(boundary=[DoorsAt((5.0,))]), []
     for i, x in enumerate(WAY):
         update = accumulator.update(Observation(i, pose=Pose2D(float(x), 0, 0)), two_rooms(x))
         said += [update] if update else []

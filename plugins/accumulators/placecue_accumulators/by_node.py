@@ -21,6 +21,7 @@ from placecue_accumulators.boundaries import Boundaries, Given
 from placecue_accumulators.doubts import Doubts
 from placecue_accumulators.graph import (
     NavigationGraph,
+    Place,
     Step,
     neighbours_of,
     on_its_side,
@@ -36,7 +37,7 @@ Values = NDArray[np.float64]
 
 #: While the robot drives, its node hears of those so many edges away.
 REACH = 6
-#: A robot so far behind a door, m, is in the room there.
+#: A robot that turns round so far behind a door, m, has been in the room there.
 LOOKING_IN = 0.5
 
 
@@ -111,7 +112,7 @@ class NodeAccumulator(Accumulator):
                     f"this accumulator takes no boundary {type(each).__name__}, as what is "
                     "believed parts its areas anyway: give doors, or none ([])"
                 )
-        self.graph_ = NavigationGraph(self.node_spacing, self.gateway_spacing, LOOKING_IN)
+        self.graph_ = NavigationGraph(self.node_spacing, self.gateway_spacing)
         self.here_ = ViewpointHistogram(None)
         self.priors_: dict[int, BinSums] = {}
         self.ways_: dict[int, Way] = {}
@@ -251,11 +252,34 @@ class NodeAccumulator(Accumulator):
         if step is None:
             return
         self.context_ = None
+        self._look_into(step)
         self.times_.setdefault(step.node, (stamp, stamp))
         self.frames_.setdefault(step.node, frame)
         seen = self._store(step.before)
         if seen is not None:
             self._stepped(step, seen)
+
+    def _look_into(self, step: Step) -> None:
+        """Make a node of what was seen behind a door that the robot leaves as it came."""
+        at = step.before
+        if at is None or not self.graph_.places[at].gateway or self.judge_ is None:
+            return
+        door, to = self.graph_.places[at], self.graph_.places[step.node]
+        side = -1 if door.depth(to) > 0 else 1  # that the robot does not go on to
+        depth = {key: side * door.depth(self._middle(key)) for key in self.here_}
+        inside = [key for key, far in depth.items() if far >= LOOKING_IN]
+        if not inside:
+            return
+        deepest = self._middle(max(inside, key=lambda key: depth[key]))
+        made = self.graph_.look_into(at, deepest.x, deepest.y)
+        if made is not None:
+            self.priors_[made] = self.here_.part(inside)
+            self.times_[made], self.frames_[made] = self.times_[at], self.frames_[at]
+            self._stepped(Step(at, made, new=False), self.judge_.likelihoods(self.priors_[made]))
+
+    def _middle(self, key: Key) -> Place:
+        """Return where a viewpoint is."""
+        return Place(key[0] * self.bin_x, key[1] * self.bin_y)
 
     def _store(self, node: int | None) -> Values | None:
         """Add what was seen at a node to what is stored there; return it alone."""

@@ -41,8 +41,8 @@ class Place:
         return a * b < 0 and abs(u + (v - u) * a / (a - b)) <= half_width
 
     def depth(self, place: Place) -> float:
-        """Return how far a position is in front of this door or behind it, m."""
-        return abs(self._seen(place)[0])
+        """Return how far a position is behind this door as it was passed, m; negative before it."""
+        return self._seen(place)[0]
 
     def _seen(self, place: Place) -> tuple[float, float]:
         """Return a position along the passage and across it, m."""
@@ -116,9 +116,6 @@ class NavigationGraph:
         A node is made where the robot is farther than this from every node, m.
     gateway_spacing : float
         A gateway no farther than this from another is ignored, m.
-    looking_in : float or None
-        A node is made too where the robot is so far behind a gateway, m, and there is none on
-        that side, so that a room into which it only looks is a place. None makes none.
 
     Attributes
     ----------
@@ -135,15 +132,9 @@ class NavigationGraph:
     indoor mobile robots, RAS 56(6), 2008.
     """
 
-    def __init__(
-        self,
-        spacing: float = 1.0,
-        gateway_spacing: float = 2.0,
-        looking_in: float | None = None,
-    ) -> None:
+    def __init__(self, spacing: float = 1.0, gateway_spacing: float = 2.0) -> None:
         self.spacing = spacing
         self.gateway_spacing = gateway_spacing
-        self.looking_in = looking_in
         self.places: list[Place] = []
         self.edges: set[tuple[int, int]] = set()
         self.current: int | None = None
@@ -160,7 +151,7 @@ class NavigationGraph:
             None where the robot is still at the current node.
         """
         nearest = self._near.nearest(x, y, self.spacing)
-        if nearest is None or self._looks_in(nearest, Place(x, y)):
+        if nearest is None:
             return self._go(self._make(Place(x, y)), new=True)
         return None if nearest == self.current else self._go(nearest, new=False)
 
@@ -175,6 +166,22 @@ class NavigationGraph:
         if self._gateways.nearest(x, y, self.gateway_spacing) is not None:
             return None
         return self._go(self._make(Place(x, y, gateway=True, heading=heading)), new=True)
+
+    def look_into(self, gateway: int, x: float, y: float) -> int | None:
+        """Tell the graph how far the robot went through a gateway before it turned round, m.
+
+        Returns
+        -------
+        int or None
+            A new node there; None where one is near on that side.
+        """
+        door, here = self.places[gateway], Place(x, y)
+        near = (self.places[number] for _, number in self._near.within(x, y, self.spacing))
+        if not all(other.gateway or door.parts(here, other, inf) for other in near):
+            return None
+        made = self._make(here)
+        self.edges.add((gateway, made))
+        return made
 
     def leave(self) -> None:
         """Tell the graph that the robot is somewhere else, and did not drive there."""
@@ -224,14 +231,6 @@ class NavigationGraph:
                 left -= new
             pieces.append(sorted(piece))
         return sorted(pieces, key=lambda piece: (-len(piece), piece))
-
-    def _looks_in(self, node: int, here: Place) -> bool:
-        """Tell whether a position is behind a gateway, on a side where no node is near."""
-        door = self.places[node]
-        if self.looking_in is None or not door.gateway or door.depth(here) < self.looking_in:
-            return False
-        near = (self.places[n] for _, n in self._near.within(here.x, here.y, self.spacing))
-        return all(other.gateway or door.parts(here, other, inf) for other in near)
 
     def _make(self, place: Place) -> int:
         number = len(self.places)

@@ -33,8 +33,8 @@ ROBOT = {"plugin": "office", "drift": 0.003, "speed": 0.5, "rate": 2.5}
 #: A scan as CARMEN logs have them, and what makes bare plans look like rooms.
 SCANS = {"plugin": "floorplan", "max_range": 20.0, "noise": 0.03}
 CLUTTER = {"room": 0.5, "hallway": 0.05}
-#: As full, and as noisy, as nothing that a model was trained on.
-STRANGE = {"clutter": {"room": 1.0, "hallway": 0.3}, "noise": 0.06}
+#: Twice as full, and as noisy, as what models were trained on.
+STRANGE = {"clutter": {"room": 1.0, "hallway": 0.1}, "noise": 0.06}
 
 Config = dict[str, Any]
 

@@ -15,7 +15,7 @@ from placecue.errors import UsageError
 from placecue.scores import Layout, Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue_accumulators.histogram import BinSums
-from placecue_accumulators.strangeness import Strangeness
+from placecue_accumulators.strangeness import ALONE, Strangeness
 
 Values = NDArray[np.float64]
 
@@ -153,6 +153,8 @@ def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
     if known is not None:
         check_same_layout(known.layout, layout)
         return known
+    learned = owner.sharpness is None and belief.sharpness is not None
+    otherwise = ALONE if learned else 1.0  # a sharpness that is given is meant as it is
     return Judge(
         layout=layout,
         sharpness=owner.sharpness or belief.sharpness or usual_sharpness(layout),
@@ -162,7 +164,7 @@ def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
         doubt=owner.doubt,
         most_bins=owner.prior_bins,
         temperature=owner.temperature,
-        strangeness=Strangeness(belief.agreement, len(layout.classes)),
+        strangeness=Strangeness(belief.agreement, len(layout.classes), otherwise),
     )
 
 

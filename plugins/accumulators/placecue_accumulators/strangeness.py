@@ -8,6 +8,11 @@ from placecue_accumulators.histogram import Key
 
 #: Before anything is seen, cues are taken to have agreed as in training on so many pairs.
 BEFORE = 20
+#: Log odds shrink by no more than this, which is what they were worth in the building of the tuning
+#: half (docs/labelling.md): joined, cues know more than each alone.
+MOST = 3.0
+#: Where there is one cue nothing tells how strange a building is: they shrink by this.
+ALONE = 2.0
 #: From so many times smaller log odds on a building is called strange.
 STRANGE = 1.5
 
@@ -19,14 +24,17 @@ class Strangeness:
     ----------
     known : float or None
         How often two cues agreed on held-out training samples; None where there is one cue, or
-        nothing was measured: then nothing is strange.
+        nothing was measured.
     classes : int
         How many there are.
+    otherwise : float
+        The factor where agreement is not known.
     """
 
-    def __init__(self, known: float | None, classes: int) -> None:
+    def __init__(self, known: float | None, classes: int, otherwise: float = 1.0) -> None:
         self.known = known
         self.classes = classes
+        self.otherwise = otherwise
         self.alike = self.pairs = 0
         self._last: Key | None = None
 
@@ -48,11 +56,11 @@ class Strangeness:
 
     @property
     def factor(self) -> float:
-        """By how much log odds are smaller here, at least 1."""
+        """By how much log odds are smaller here, from 1 to ``MOST``."""
         here = self.agreement
-        if self.known is None or here is None or self.classes < 2:
-            return 1.0
-        return log_odds_lost(self.known, here, self.classes)
+        if self.known is None or here is None:
+            return self.otherwise
+        return min(log_odds_lost(self.known, here, self.classes), MOST)
 
     def lines(self) -> list[str]:
         """Return what a person should know, a line each."""

@@ -63,8 +63,8 @@ class SpatioTemporal(Accumulator):
     prior_bins : float
         What is stored of earlier visits counts as at most this many bins.
     temperature : float
-        Log odds of a place are divided by this before they are told: how much less beliefs are
-        worth in a building that the model was not trained in. 1 for one that it was.
+        Log odds of a place are divided by this before they are told, and by how much less than in
+        training the model's cues agree (:mod:`~placecue_accumulators.strangeness`).
     merge : {"none", "open", "all"}
         Which neighbouring areas of one label are one in the map given out: none, those without a
         door between them, or all. The evidence stays apart.

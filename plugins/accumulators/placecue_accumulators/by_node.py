@@ -124,6 +124,7 @@ class NodeAccumulator(Accumulator):
         self.windows_ = TimeWindows()
         self.at_: tuple[int, str] | None = None  # the node, and its label
         self.said_: tuple[int, str] | None = None  # the area, and its label
+        self.looked_: dict[int, int] = {}  # nodes that were only looked into, and the door
         self.labels_: dict[int, str] = {}  # that were said of nodes; doors have none
         self.context_: Values | None = None  # of the node that the robot is at
 
@@ -253,6 +254,7 @@ class NodeAccumulator(Accumulator):
             return
         self.context_ = None
         self._look_into(step)
+        self.looked_.pop(step.node, None)
         self.times_.setdefault(step.node, (stamp, stamp))
         self.frames_.setdefault(step.node, frame)
         seen = self._store(step.before)
@@ -273,6 +275,7 @@ class NodeAccumulator(Accumulator):
         deepest = self._middle(max(inside, key=lambda key: depth[key]))
         made = self.graph_.look_into(at, deepest.x, deepest.y)
         if made is not None:
+            self.looked_[made] = at
             self.priors_[made] = self.here_.part(inside)
             self.times_[made], self.frames_[made] = self.times_[at], self.frames_[at]
             self._stepped(Step(at, made, new=False), self.judge_.likelihoods(self.priors_[made]))
@@ -334,7 +337,8 @@ class NodeAccumulator(Accumulator):
     def _areas(self, labels: Sequence[str], edges: Sequence[tuple[int, int]]) -> list[int]:
         """Return the area of each node: the smallest of those that hang together without a door.
 
-        A door belongs to the area of its smallest neighbour.
+        A door belongs to the area of its smallest neighbour. What was only looked into is parted by
+        a door where another label was seen: else the robot may have stood between furniture.
         """
         doors = [place.gateway for place in self.graph_.places]
         home = list(range(len(labels)))
@@ -349,6 +353,12 @@ class NodeAccumulator(Accumulator):
             if labels[a] == labels[b] and not (doors[a] or doors[b]):
                 first, second = sorted((root(a), root(b)))
                 home[second] = first
+        beside = neighbours_of(edges)
+        for node, door in self.looked_.items():
+            for other in beside[door]:
+                if not doors[other] and labels[other] == labels[node]:
+                    first, second = sorted((root(node), root(other)))
+                    home[second] = first
         found = [root(node) for node in range(len(labels))]
         for a, b in sorted(edges):
             for door, other in ((a, b), (b, a)):

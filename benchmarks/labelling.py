@@ -25,8 +25,8 @@ def main(folder: Path) -> None:
     known = Outcomes(folder / "reporting.jsonl", data, whole=True)
     halves = {half: [t for t in tests() if t.half == half] for half in ("tuning", "reporting")}
     found = {}
-    for test in [*halves["reporting"], *halves["tuning"]]:
-        for words in [*ACCUMULATORS.values(), AS_SCORED]:
+    for words in [*ACCUMULATORS.values(), AS_SCORED]:
+        for test in [*halves["reporting"], *halves["tuning"]]:
             [outcome] = known.of(words, [test])
             found[" ".join(words), test.name] = outcome
             print(" ".join(words) or "crf", test.name, outcome["way"], flush=True)

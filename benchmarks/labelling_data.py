@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from labelling_building import plan as drawn_plan
 from labelling_plan import Test, models, recordings
 from labelling_register import PIXEL, ClassMap, Registration, end_points, registered
 from scipy.spatial import KDTree
@@ -29,6 +31,8 @@ Room = tuple[int, str, int, str]
 Moments = list[tuple[Observation, Belief | None]]
 
 REGISTRY = load_plugins(built_ins_only=True).registry
+#: Plan of the building that is drawn for the tuning half.
+DRAWN = "drawn_building.geojson"
 #: Grey values of the labelled plans.
 LEGEND = {77: "room", 115: "hallway", 179: "doorway"}
 
@@ -52,20 +56,29 @@ class Data:
             return {key: self._said(each) for key, each in value.items()}
         if not isinstance(value, str):
             return value
-        made = str(self.folder / "recordings")
-        return value.replace("{data}", str(self.recorded)).replace("{recordings}", made)
+        folders = {
+            "{data}": self.recorded,
+            "{recordings}": self.folder / "recordings",
+            "{drawn}": self.folder / "recordings" / DRAWN,
+        }
+        for name, path in folders.items():
+            value = value.replace(name, str(path))
+        return value
 
     def _run(self, *words: str) -> None:
         subprocess.run([sys.executable, "-m", "placecue", *words], check=True)
 
     def make(self) -> None:
         """Record and train what is not there yet."""
+        (self.folder / "recordings").mkdir(parents=True, exist_ok=True)
+        (self.folder / "recordings" / DRAWN).write_text(json.dumps(drawn_plan()), encoding="utf-8")
         for name, source in recordings().items():
             path = self.folder / "recordings" / f"{name}.mcap"
             if not path.exists():
-                path.parent.mkdir(parents=True, exist_ok=True)
                 given = [
-                    f"source.{key}={value}" for key, value in source.items() if key != "plugin"
+                    f"source.{key}={self._said(value)}"
+                    for key, value in source.items()
+                    if key != "plugin"
                 ]
                 self._run("convert", f"source={source['plugin']}", *given, f"out={path}")
         for name in models():
@@ -79,7 +92,7 @@ class Data:
         if not (path / "manifest.json").exists():
             words = [self._said(word) for word in models()[name]]
             cache = f"cache.folder={self.folder / 'cache'}"
-            self._run("train", *words, cache, f"out={path}", "overwrite=true")
+            self._run("train", *words, cache, f"out={path}", "overwrite=true", "report=false")
         return load_model(path, REGISTRY)
 
     def moments(self, test: Test) -> Moments:
@@ -173,7 +186,8 @@ def _plain(belief: Belief | None) -> Belief | None:
     if belief is None:
         return None
     told = belief.stamp, belief.scores, belief.label, belief.confidence
-    return Belief(*told, {}, sharpness=belief.sharpness)
+    worth = {"sharpness": belief.sharpness, "agreement": belief.agreement}
+    return Belief(*told, dict(belief.cue_scores), **worth)
 
 
 if __name__ == "__main__":

@@ -168,7 +168,7 @@ def draw(rows: list[dict[str, str]], path: Path) -> None:
             axes.plot(*zip(*at, strict=True), "o", color=colour, markersize=4, label=what)
     axes.set_xlabel("time (h)")
     axes.set_ylabel("memory of the process (MB)")
-    axes.set_ylim(0)
+    axes.set_ylim(0, 1.2 * max(float(r["MB"]) for r in rows))
     axes.legend(ncols=4, loc="lower right")
     figure.savefig(path)
 

@@ -25,7 +25,9 @@ AS_SCORED = ["accumulator.sharpness=3"]  # of the default
 GROUPS: Mapping[str, Callable[[Test], bool]] = {
     "tuning, floor seen before": lambda t: t.half == "tuning" and _own(t),
     "tuning, another world": lambda t: t.half == "tuning" and " by " in t.name,
-    "tuning, plans never seen": lambda t: t.half == "tuning" and t.model.startswith("plans"),
+    "tuning, plans never seen": lambda t: t.half == "tuning" and _plain(t),
+    "tuning, plans strangely full": lambda t: t.name.endswith("strange"),
+    "tuning, another building": lambda t: t.name.startswith("drawn"),
     "demo": lambda t: t.name == "demo",
     "second_floor": lambda t: t.name.startswith("second_floor"),
     "recorded buildings": lambda t: t.truth is not None,
@@ -37,6 +39,10 @@ Found = Mapping[tuple[str, str], Outcome]
 
 def _own(test: Test) -> bool:
     return test.name.startswith("floor") and " by " not in test.name
+
+
+def _plain(test: Test) -> bool:
+    return test.model.startswith("plans") and not test.name.endswith("strange")
 
 
 def write(page: Path, found: Found, halves: Mapping[str, Sequence[Test]]) -> None:

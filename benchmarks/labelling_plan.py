@@ -5,7 +5,7 @@ Nothing of one half is in the other: neither a world, nor a drive, nor a buildin
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +13,10 @@ from typing import Any
 TUNED = {100: "cloudy", 101: "night", 102: "sunny", 103: "cloudy", 104: "night"}
 #: Plans to drive through; each is labelled by a model of the others.
 DRIVEN = ("Fr52", "lab_d_furniture", "lab_ipa", "office_e")
+#: A building drawn for this half alone (``labelling_building.py``), in three lights, labelled by a
+#: model of these recordings.
+DRAWN = {1: "cloudy", 2: "night", 3: "sunny"}
+KNOWN = {100: (1, "cloudy"), 101: (2, "night"), 102: (2, "sunny")}
 #: The other building's floors, in three lights, and the drives in an unseen one.
 FLOORS = {0: "cloudy", 1: "night", 2: "sunny"}
 UNSEEN = {1: "cloudy", 2: "night", 3: "sunny"}
@@ -29,6 +33,8 @@ ROBOT = {"plugin": "office", "drift": 0.003, "speed": 0.5, "rate": 2.5}
 #: A scan as CARMEN logs have them, and what makes bare plans look like rooms.
 SCANS = {"plugin": "floorplan", "max_range": 20.0, "noise": 0.03}
 CLUTTER = {"room": 0.5, "hallway": 0.05}
+#: Twice as full, and as noisy, as what models were trained on.
+STRANGE = {"clutter": {"room": 1.0, "hallway": 0.1}, "noise": 0.06}
 
 Config = dict[str, Any]
 
@@ -44,7 +50,8 @@ class Test:
     model : str
         Which of the models; ``starter`` is shipped.
     source : mapping
-        The config of its source; ``{data}`` and ``{recordings}`` stand for folders.
+        The config of its source; ``{data}`` and ``{recordings}`` stand for folders, ``{drawn}`` for
+        the plan of the building that was drawn.
     labels : mapping
         ``label_map`` and ``unmapped_labels`` of its labels.
     truth : str or None
@@ -66,6 +73,7 @@ def recordings() -> dict[str, Config]:
     drives += [("idol2_floor", seed, 1, light) for seed, light in FLOORS.items()]
     drives += [("idol2_floor", 0, 2, "cloudy")]
     drives += [("second_floor", 0, run, light) for run, light in UNSEEN.items()]
+    drives += [("{drawn}", 0, run, light) for run, light in DRAWN.items()]
     return {
         recording(world, seed, run, light): {
             **ROBOT,
@@ -80,7 +88,7 @@ def recordings() -> dict[str, Config]:
 
 def recording(world: str, seed: int, run: int, light: str) -> str:
     """Return the name of a recording."""
-    return f"{world}_{seed}_{light}{run}"
+    return f"{world.strip('{}')}_{seed}_{light}{run}"
 
 
 def models() -> dict[str, list[str]]:
@@ -89,20 +97,26 @@ def models() -> dict[str, list[str]]:
         f"floor{seed}": [f"log={{recordings}}/{recording('idol2_floor', seed, 1, 'cloudy')}.mcap"]
         for seed in [*TUNED, 0]
     }
-    floors = [recording("idol2_floor", seed, 1, light) for seed, light in FLOORS.items()]
-    logs = ",".join(f"{{recordings}}/{name}.mcap" for name in floors)
+    found["floors"] = _categories([(seed, 1, light) for seed, light in FLOORS.items()])
+    found["floors of the tuning half"] = _categories([(s, *how) for s, how in KNOWN.items()])
+    found |= {f"plans without {name}": _plans(set(DRIVEN) - {name}) for name in DRIVEN}
+    found |= {f"plans without {name}": _plans(set(PLANS) - {name}) for name in ("Fr101", "intel")}
+    found["plans"] = _plans(PLANS)
+    return found
+
+
+def _categories(drives: Sequence[tuple[int, int, str]]) -> list[str]:
+    """Return the words of a model of three categories, by seed, run and light of its drives."""
+    names = [recording("idol2_floor", *drive) for drive in drives]
+    logs = ",".join(f"{{recordings}}/{name}.mcap" for name in names)
     named = ",".join(f"{old}: {new}" for old, new in CATEGORIES.items())
-    found["floors"] = [
+    return [
         f"log=[{logs}]",
         "folds=by_log",
         "cues.laser.preset=full",
         f"label_map={{{named}}}",
         "unmapped_labels=drop",
     ]
-    found |= {f"plans without {name}": _plans(set(DRIVEN) - {name}) for name in DRIVEN}
-    found |= {f"plans without {name}": _plans(set(PLANS) - {name}) for name in ("Fr101", "intel")}
-    found["plans"] = _plans(PLANS)
-    return found
 
 
 def _plans(names: Any) -> list[str]:
@@ -140,24 +154,27 @@ def _drives() -> list[Test]:
             "clutter": CLUTTER,
             "beams": 181,
         }
-        dense, sparse = {"rate": 5.0, "samples": 1000}, {"rate": 1.0, "samples": 400}
-        for kind, pace in {"dense": dense, "sparse": sparse}.items():
+        kinds: Mapping[str, Config] = {
+            "dense": {"rate": 5.0, "samples": 1000},
+            "sparse": {"rate": 1.0, "samples": 400},
+            "strange": {"rate": 2.0, "samples": 600, "seed": 2, **STRANGE},
+        }
+        for kind, how in kinds.items():
             model = f"plans without {name}"
-            found.append(Test(f"{name}, {kind}", "tuning", model, {**drive, **pace}, dict(two)))
+            found.append(Test(f"{name}, {kind}", "tuning", model, {**drive, **how}, dict(two)))
     return found
 
 
 def _unseen() -> list[Test]:
     labels = {"label_map": CATEGORIES, "unmapped_labels": "drop"}
+    buildings = {
+        "drawn building": ("tuning", "floors of the tuning half", "drawn", DRAWN),
+        "second_floor": ("reporting", "floors", "second_floor", UNSEEN),
+    }
     return [
-        Test(
-            f"second_floor, {light}",
-            "reporting",
-            "floors",
-            _recorded_as("second_floor", 0, run, light),
-            labels,
-        )
-        for run, light in UNSEEN.items()
+        Test(f"{name}, {light}", half, model, _recorded_as(world, 0, run, light), labels)
+        for name, (half, model, world, lights) in buildings.items()
+        for run, light in lights.items()
     ]
 
 

@@ -5,7 +5,7 @@
 A drive through the simulated office, 30 images and scans a second, is sent by a process of its own
 (benchmarks/live_robot.py) to ``placecue live``, as a robot would. Logs and models are made in
 FOLDER where they are not there yet; figures are added to FOLDER/live.json as they come, and those
-that are there are not measured again. What is printed is the table of docs/live.md.
+that are there are not measured again. The table of docs/live.md is made of them.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
+from tables import put, table
+
+PAGE = Path(__file__).parents[1] / "docs" / "live.md"
 PLACECUE = [str(Path(sys.executable).with_name("placecue"))]
 ROBOT = [sys.executable, str(Path(__file__).with_name("live_robot.py"))]
 #: Cues and integrator of each method.
@@ -60,7 +63,7 @@ def main() -> None:
             if key not in found:
                 found[key] = _measured(given.folder, method, workers, given.seconds)
                 kept.write_text(json.dumps(found, indent=1))
-    _print(found)
+    put(PAGE, {"pace": _table(found)})
 
 
 def _train(folder: Path, method: str) -> None:
@@ -101,18 +104,22 @@ def _placecue(*words: str) -> str:
     return subprocess.run([*PLACECUE, *words], stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
-def _print(found: dict[str, dict[str, float]]) -> None:
-    print("| cues, integrator | threads | median, ms | 99th percentile, ms | dropped | right |")
-    print("|---|---|---|---|---|---|")
+def _table(found: dict[str, dict[str, float]]) -> str:
+    heads = ["cues, integrator", "threads", "median, ms", "99th percentile, ms", "dropped", "right"]
+    rows = []
     for key, row in found.items():
         method, workers = key.rsplit(" ", 1)
         cues, integrator = METHODS[method]
         dropped = 100 * row["dropped"] / (row["seen"] + row["dropped"])
-        print(
-            f"| {cues.strip('[]').replace(',', ' + ')}, {integrator} | {workers} "
-            f"| {row['median']:.1f} | {row['late']:.1f} | {dropped:.1f} % "
-            f"| {100 * row['balanced_accuracy']:.1f} % |"
-        )
+        rows.append([
+            f"{cues.strip('[]').replace(',', ' + ')}, {integrator}",
+            workers,
+            f"{row['median']:.1f}",
+            f"{row['late']:.1f}",
+            f"{dropped:.1f} %",
+            f"{100 * row['balanced_accuracy']:.1f} %",
+        ])  # fmt: skip
+    return table(heads, rows)
 
 
 if __name__ == "__main__":

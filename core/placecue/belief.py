@@ -29,6 +29,9 @@ class Belief:
         The cues that the observation does not have, as far as is known.
     sharpness : float or None
         Log odds of a class by the unit of the scores, where training has measured it.
+    agreement : float or None
+        How often two cues say the same of samples that they were not trained on, where training
+        has measured it.
     """
 
     stamp: int
@@ -38,6 +41,7 @@ class Belief:
     cue_scores: Mapping[str, Scores]
     cues_missing: tuple[str, ...] = ()
     sharpness: float | None = None
+    agreement: float | None = None
 
     @property
     def cues_used(self) -> tuple[str, ...]:

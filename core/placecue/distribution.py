@@ -39,6 +39,24 @@ def softmax(odds: Values) -> Values:
     return np.asarray(powers / powers.sum(axis=-1, keepdims=True))
 
 
+def tempered(probabilities: Values, temperature: float) -> Values:
+    """Return the probabilities with their log odds divided by a temperature; 1 changes nothing.
+
+    Parameters
+    ----------
+    probabilities : ndarray of float64, shape (..., M)
+        Over the last axis they sum to one.
+    temperature : float
+        Above 1 they become less sure; their order stays.
+
+    References
+    ----------
+    Guo, Pleiss, Sun and Weinberger, On calibration of modern neural networks, ICML 2017.
+    """
+    logarithms = np.log(np.maximum(probabilities, np.finfo(np.float64).tiny))
+    return softmax(logarithms / temperature)
+
+
 def doubted(probabilities: Values, doubt: float) -> Values:
     """Return the probabilities where a share of the beliefs may say anything.
 

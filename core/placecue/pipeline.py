@@ -181,6 +181,9 @@ class Pipeline:
         decision = scores[there].decide()  # decide
         labels = decision.labels if self.rejection_ is None else self.rejection_.labels(decision)
         decided = dict(zip(there.tolist(), range(len(there)), strict=True))
+        worth = self.calibration_
+        # Of cues that are asked only where others are unsure, agreement says nothing.
+        agreement = None if worth is None or self.schemes.full.stops_early else worth.agreement
         for row, observation in enumerate(observations):
             lacking = [cue for cue, has in zip(evidence.cues, known[row], strict=True) if not has]
             if row not in decided:
@@ -195,7 +198,8 @@ class Pipeline:
                 confidence=float(decision.confidence[decided[row]]),
                 cue_scores=evidence.scores_at(row),
                 cues_missing=tuple(lacking),
-                sharpness=None if self.calibration_ is None else self.calibration_.sharpness,
+                sharpness=None if worth is None else worth.sharpness,
+                agreement=agreement,
             )
 
     def _too_few(

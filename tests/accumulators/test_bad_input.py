@@ -195,6 +195,17 @@ def test_nodes_with_doors_part_rooms_where_scans_come_and_go_too():
     assert {node.area for node in begun.nodes} == {area.id for area in begun.areas}
 
 
+def test_a_room_that_the_robot_only_looks_into_is_an_area():
+    way = np.concatenate([np.arange(-4, 0.75, 0.1), np.arange(0.7, -4, -0.1)])
+    made = through(FIELD(), way, rooms)
+    assert [area.label for area in made.areas] == ["office", "kitchen"]
+    assert made.at(0.6, 0.0).label == "kitchen"
+    alike = through(FIELD(), way, lambda x: says("office"))
+    assert [area.label for area in alike.areas] == ["office"]  # it may have been no door
+    entered = through(FIELD(), [*way, *np.arange(-4, 3, 0.1)], lambda x: says("office"))
+    assert [area.label for area in entered.areas] == ["office", "office"]
+
+
 def test_a_door_that_was_not_seen_on_the_way_in_parts_nodes_of_one_label():
     accumulator, way = FIELD(), np.arange(-4, 4, 0.1)
     through(accumulator, way, lambda x: says("office"), scans=lambda x: False)

@@ -15,6 +15,7 @@ from placecue_accumulators.hmm import HiddenMarkov
 from placecue_accumulators.neighbours import Neighbours
 from placecue_accumulators.node import NodeLeft
 from placecue_accumulators.relaxation import Relaxation
+from placecue_accumulators.spatiotemporal import SpatioTemporal
 
 CLASSES = ("corridor", "kitchen", "office", "printer")
 LAYOUT = OneAgainstAll(CLASSES)
@@ -97,6 +98,41 @@ def test_impossible_parameters_are_errors(kind):
     with pytest.raises(UsageError, match="node_spacing"):
         kind(node_spacing=0).reset()
     assert clone(kind(doubt=0.1)).doubt == 0.1
+
+
+def told(label, other, agreement):
+    """A belief of two cues, of which the second says something else."""
+    belief = says(label)
+    cues = {"first": belief.scores, "second": says(other).scores}
+    return replace(belief, cue_scores=cues, agreement=agreement)
+
+
+@pytest.mark.parametrize("kind", [*KINDS, SpatioTemporal])
+def test_where_cues_disagree_as_never_in_training_less_is_told_and_said(kind):
+    made = {}
+    for name, other in (("alike", "office"), ("apart", "kitchen")):
+        accumulator = kind()
+        made[name] = drive(accumulator, WAY, lambda _, other=other: told("office", other, 0.9))
+        lines = accumulator.warnings()
+        assert [line.startswith("the cues say the same of 0 %") for line in lines] == (
+            [True] if name == "apart" else []
+        )
+    sure, unsure = ({n.id: n.probabilities for n in made[name].nodes} for name in made)
+    assert any(sure.values())
+    for node in (each for each, found in sure.items() if found):
+        assert unsure[node]["office"] < sure[node]["office"]
+
+
+@pytest.mark.parametrize("kind", [*KINDS, SpatioTemporal])
+def test_a_temperature_makes_probabilities_flatter(kind):
+    plain, flat = (drive(kind(temperature=t), WAY, two_rooms) for t in (1.0, 2.0))
+    for one, other in zip(plain.nodes, flat.nodes, strict=True):
+        if one.probabilities:
+            first, second = (sorted(node.probabilities.values()) for node in (one, other))
+            assert second[-1] <= first[-1]
+    assert flat.areas[0].confidence < plain.areas[0].confidence
+    with pytest.raises(UsageError, match="temperature"):
+        kind(temperature=0).reset()
 
 
 def test_the_hmm_holds_no_more_than_its_lag():

@@ -37,6 +37,19 @@ def test_a_gateway_is_ignored_near_another():
     assert [place.gateway for place in graph.places] == [False, True, True]
 
 
+def test_looking_in_through_a_gateway_makes_one_node_behind_it():
+    graph = NavigationGraph(spacing=1.0)
+    graph.visit(-0.9, 0)
+    graph.pass_gateway(0, 0)
+    assert [graph.visit(x, 0.0) for x in (0.3, 0.6, 0.8)] == [None] * 3
+    assert graph.visit(-0.5, 0.0) == Step(0, 1, new=False)
+    assert graph.look_into(1, 0.8, 0.0) == 2
+    assert graph.look_into(1, 0.6, 0.1) is None  # one is near
+    assert graph.edges == {(0, 1), (1, 2)}
+    assert graph.current == 0
+    assert graph.visit(0.6, 0.0) == Step(2, 0, new=False)
+
+
 points = st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max_size=40)
 
 

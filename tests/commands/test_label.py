@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 from pathlib import Path
 
 import cv2
@@ -10,6 +11,7 @@ import pytest
 
 from command_line import succeeds
 from placecue.semantic_map import SemanticMap
+from placecue_accumulators.neighbours import Neighbours
 from results import check_metrics, messages, rows
 from rooms import ROOMS
 
@@ -31,7 +33,7 @@ def room_at(x: float) -> str:
     return list(ROOMS)[round(x / 30.0)]
 
 
-@pytest.mark.parametrize("boundary", ["door", "door_noisy", "never", "node", "[door,evidence]"])
+@pytest.mark.parametrize("boundary", ["door", "door_noisy", "none", "node", "[door,evidence]"])
 def test_every_boundary(tmp_path: Path, model: Path, log_b: Path, boundary: str) -> None:
     out, chosen = tmp_path / "out", f"boundaries@accumulator.boundary={boundary}"
     words = ["accumulator=spatiotemporal", chosen]
@@ -74,6 +76,19 @@ def test_what_is_written(labelled: Path) -> None:
     assert kinds.count("node") == len(drawn["nodes"])
     assert kinds.count("edge") == len(drawn["edges"])
     assert json.loads((out / "placecue_layout.json").read_text())
+
+
+def test_neighbours_learned_from_a_labelled_log(
+    tmp_path: Path, laser_model: Path, log_b: Path
+) -> None:
+    """Each room is seen in twelve places 2 m apart or closer, before the next."""
+    example = Path(__file__).parents[2] / "examples" / "learn_neighbours.py"
+    runpy.run_path(str(example))["main"](str(laser_model), [str(log_b)], str(tmp_path))
+    steps = Neighbours.read(tmp_path / "transitions.json", tuple(ROOMS)).weights
+    assert steps.sum(axis=1) == pytest.approx(1)
+    assert steps.argmax(axis=1).tolist()[0] == 0  # the corridor is the longest
+    weights = Neighbours.read(tmp_path / "weights.json", tuple(ROOMS)).weights
+    assert weights[0].argmax() == 0
 
 
 def test_accumulator_options_reach_it(tmp_path: Path, laser_model: Path, log_b: Path) -> None:

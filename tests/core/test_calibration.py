@@ -59,6 +59,15 @@ def test_samples_of_no_class_and_without_scores_are_passed_over():
     assert calibrated([judged(values[:1], ["stairs"])]) is None
 
 
+def test_how_often_cues_agree_is_counted_where_there_are_two():
+    sure, other = np.eye(4)[[0, 1, 2, 3]], np.eye(4)[[0, 1, 3, 2]]
+    other[0] = np.nan  # a cue that is missing there
+    scores = {name: Scores(v, OneAgainstAll(FOUR)) for name, v in (("a", sure), ("b", other))}
+    found = calibrated([Judged(np.array(FOUR), scores["a"], StoredEvidence(scores))])
+    assert found.agreement == pytest.approx(1 / 3)
+    assert calibrated([judged(np.eye(4), FOUR)]).agreement is None
+
+
 def test_copies_that_know_other_classes_count_too():
     fewer = judged(np.eye(2), ["kitchen", "lab"], OneAgainstAll(("kitchen", "lab")))
     assert calibrated([fewer, judged(np.eye(4), FOUR)]).n == 6

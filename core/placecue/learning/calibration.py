@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +32,20 @@ class Calibration:
         Mean negative logarithm of the probability of the true class on held-out samples.
     n : int
         How many there were.
+    agreement : float or None
+        How often two cues alone say the same of a sample; None where there is one cue.
     """
 
     sharpness: float
     log_loss: float
     n: int
+    agreement: float | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.sharpness < float("inf"):
             raise DataError(f"a sharpness is a positive number, got {self.sharpness}")
+        if self.agreement is not None and not 0 <= self.agreement <= 1:
+            raise DataError(f"agreement is a share of 0 to 1, got {self.agreement}")
 
 
 def calibrated(judged: Sequence[Judged]) -> Calibration | None:
@@ -75,7 +81,19 @@ def calibrated(judged: Sequence[Judged]) -> Calibration | None:
     )
     sharpness = float(np.exp(found.x))
     plain = sum(_log_loss(sharpness, *part) for part in parts)
-    return Calibration(sharpness, plain / n, n)
+    return Calibration(sharpness, plain / n, n, _agreement(judged))
+
+
+def _agreement(judged: Sequence[Judged]) -> float | None:
+    """Return the share of pairs of cues that say the same of a sample."""
+    alike = pairs = 0
+    for each in judged:
+        evidence = each.evidence
+        for one, other in combinations(evidence.cues, 2):
+            both = np.flatnonzero(evidence.available(one) & evidence.available(other))
+            first, second = (evidence.scores(cue)[both].decide().labels for cue in (one, other))
+            alike, pairs = alike + int((first == second).sum()), pairs + len(both)
+    return alike / pairs if pairs else None
 
 
 def _odds(judged: Judged) -> tuple[Values, NDArray[np.int64]] | None:

@@ -53,7 +53,7 @@ def placecue_components() -> list[Component]:
         ),
         Component(
             kind="boundary",
-            name="never",
+            name="none",
             factory="placecue_accumulators.never:Never",
             summary="None: no area ever ends",
         ),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from placecue.accumulator import Accumulator, AreaUpdate
 from placecue.belief import Belief
 from placecue.checks import check_number, check_whole
-from placecue.distribution import doubted, softmax
+from placecue.distribution import softmax
 from placecue.errors import UsageError
 from placecue.observation import Observation, Pose2D
 from placecue.semantic_map import UNKNOWN, Area, Node, SemanticMap
@@ -21,6 +21,7 @@ from placecue_accumulators.boundaries import Boundaries, Given
 from placecue_accumulators.doubts import Doubts
 from placecue_accumulators.graph import (
     NavigationGraph,
+    Place,
     Step,
     neighbours_of,
     on_its_side,
@@ -36,6 +37,8 @@ Values = NDArray[np.float64]
 
 #: While the robot drives, its node hears of those so many edges away.
 REACH = 6
+#: A robot that turns round so far behind a door, m, has been in the room there.
+LOOKING_IN = 0.5
 
 
 class NodeAccumulator(Accumulator):
@@ -58,6 +61,7 @@ class NodeAccumulator(Accumulator):
     node_spacing: float
     gateway_spacing: float
     prior_bins: float
+    temperature: float
 
     @abstractmethod
     def _probabilities(self, likelihoods: Values, edges: Sequence[tuple[int, int]]) -> Values:
@@ -120,6 +124,7 @@ class NodeAccumulator(Accumulator):
         self.windows_ = TimeWindows()
         self.at_: tuple[int, str] | None = None  # the node, and its label
         self.said_: tuple[int, str] | None = None  # the area, and its label
+        self.looked_: dict[int, int] = {}  # nodes that were only looked into, and the door
         self.labels_: dict[int, str] = {}  # that were said of nodes; doors have none
         self.context_: Values | None = None  # of the node that the robot is at
 
@@ -139,8 +144,9 @@ class NodeAccumulator(Accumulator):
         self._walk(pose, observation.stamp)
         if belief is None or not accepts(belief, self.accept_confidence):
             return None
-        self._judge_of(belief)
-        self.here_.add(self._viewpoint(pose), belief.scores.values[0])
+        viewpoint = self._viewpoint(pose)
+        self._judge_of(belief).strangeness.hear(belief, viewpoint)
+        self.here_.add(viewpoint, belief.scores.values[0])
         self.doubts_.count(belief.label)
         return self._news()
 
@@ -154,7 +160,7 @@ class NodeAccumulator(Accumulator):
         edges = sorted(self.graph_.edges)
         classes = self.judge_.layout.classes if self.judge_ else ()
         found = self._probabilities(self._likelihoods(), edges) if classes else np.zeros((n, 0))
-        found = doubted(found, self.doubt) if classes else found
+        found = self.judge_.told(found) if self.judge_ else found
         labels = [self._label(row, classes) for row in found]
         area_of, ways = self._areas(labels, edges), self._ways()
         members: dict[int, list[int]] = {}
@@ -183,7 +189,29 @@ class NodeAccumulator(Accumulator):
 
     def warnings(self) -> list[str]:
         """Return what a person should know of the map, a line each."""
-        return self.doubts_.lines(self.semantic_map()) if hasattr(self, "graph_") else []
+        if not hasattr(self, "graph_"):
+            return []
+        strange = self.judge_.strangeness.lines() if self.judge_ else []
+        return [*strange, *self.doubts_.lines(self.semantic_map())]
+
+    def evidence(self) -> tuple[Values, list[tuple[int, int]]]:
+        """Return what was seen at each node, as neighbours are learned of, and the edges.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, M)
+            Log-likelihood of each class, up to a constant.
+        list of (int, int)
+            Pairs of nodes.
+
+        Raises
+        ------
+        UsageError
+            If there was no belief yet that counts.
+        """
+        if getattr(self, "judge_", None) is None:
+            raise UsageError("nothing was believed of any place yet")
+        return self._likelihoods(), sorted(self.graph_.edges)
 
     def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in a moment without a pose: of a log without any, areas are windows of time."""
@@ -225,11 +253,36 @@ class NodeAccumulator(Accumulator):
         if step is None:
             return
         self.context_ = None
+        self._look_into(step)
+        self.looked_.pop(step.node, None)
         self.times_.setdefault(step.node, (stamp, stamp))
         self.frames_.setdefault(step.node, frame)
         seen = self._store(step.before)
         if seen is not None:
             self._stepped(step, seen)
+
+    def _look_into(self, step: Step) -> None:
+        """Make a node of what was seen behind a door that the robot leaves as it came."""
+        at = step.before
+        if at is None or not self.graph_.places[at].gateway or self.judge_ is None:
+            return
+        door, to = self.graph_.places[at], self.graph_.places[step.node]
+        side = -1 if door.depth(to) > 0 else 1  # that the robot does not go on to
+        depth = {key: side * door.depth(self._middle(key)) for key in self.here_}
+        inside = [key for key, far in depth.items() if far >= LOOKING_IN]
+        if not inside:
+            return
+        deepest = self._middle(max(inside, key=lambda key: depth[key]))
+        made = self.graph_.look_into(at, deepest.x, deepest.y)
+        if made is not None:
+            self.looked_[made] = at
+            self.priors_[made] = self.here_.part(inside)
+            self.times_[made], self.frames_[made] = self.times_[at], self.frames_[at]
+            self._stepped(Step(at, made, new=False), self.judge_.likelihoods(self.priors_[made]))
+
+    def _middle(self, key: Key) -> Place:
+        """Return where a viewpoint is."""
+        return Place(key[0] * self.bin_x, key[1] * self.bin_y)
 
     def _store(self, node: int | None) -> Values | None:
         """Add what was seen at a node to what is stored there; return it alone."""
@@ -284,7 +337,8 @@ class NodeAccumulator(Accumulator):
     def _areas(self, labels: Sequence[str], edges: Sequence[tuple[int, int]]) -> list[int]:
         """Return the area of each node: the smallest of those that hang together without a door.
 
-        A door belongs to the area of its smallest neighbour.
+        A door belongs to the area of its smallest neighbour. What was only looked into is parted by
+        a door where another label was seen: else the robot may have stood between furniture.
         """
         doors = [place.gateway for place in self.graph_.places]
         home = list(range(len(labels)))
@@ -299,6 +353,12 @@ class NodeAccumulator(Accumulator):
             if labels[a] == labels[b] and not (doors[a] or doors[b]):
                 first, second = sorted((root(a), root(b)))
                 home[second] = first
+        beside = neighbours_of(edges)
+        for node, door in self.looked_.items():
+            for other in beside[door]:
+                if not doors[other] and labels[other] == labels[node]:
+                    first, second = sorted((root(node), root(other)))
+                    home[second] = first
         found = [root(node) for node in range(len(labels))]
         for a, b in sorted(edges):
             for door, other in ((a, b), (b, a)):
@@ -351,7 +411,7 @@ class NodeAccumulator(Accumulator):
             self.context_ = self._context()
         sums = self.priors_.get(node, BinSums()) + self.here_.sums()  # behind a door too
         found = self.context_ * self._alone(judge.likelihoods(sums))
-        found = doubted(found / found.sum(), self.doubt)
+        found = judge.told(found / found.sum())
         label = self._label(found, judge.layout.classes)
         if self.at_ == (node, label):
             return None

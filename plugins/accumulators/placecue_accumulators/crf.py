@@ -32,7 +32,7 @@ class RandomField(NodeAccumulator):
     boundary : Boundary, or sequence or mapping of Boundary, optional
         Doors, which part areas of one label; none by default.
     bin_x, bin_y, bin_theta, accept_confidence, label_probability, sharpness, independent, doubt, \
-    node_spacing, gateway_spacing, prior_bins
+    node_spacing, gateway_spacing, prior_bins, temperature
         As of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
 
     References
@@ -58,6 +58,7 @@ class RandomField(NodeAccumulator):
         node_spacing: float = 1.0,
         gateway_spacing: float = 1.0,
         prior_bins: float = 20.0,
+        temperature: float = 1.0,
     ) -> None:
         self.same = same
         self.weights = weights
@@ -74,6 +75,7 @@ class RandomField(NodeAccumulator):
         self.node_spacing = node_spacing
         self.gateway_spacing = gateway_spacing
         self.prior_bins = prior_bins
+        self.temperature = temperature
 
     def reset(self) -> None:
         """Forget everything, as before the first observation."""

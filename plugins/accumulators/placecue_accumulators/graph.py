@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, cos, floor, hypot, inf, sin
 
@@ -39,6 +39,10 @@ class Place:
         """
         (a, u), (b, v) = self._seen(one), self._seen(other)
         return a * b < 0 and abs(u + (v - u) * a / (a - b)) <= half_width
+
+    def depth(self, place: Place) -> float:
+        """Return how far a position is behind this door as it was passed, m; negative before it."""
+        return self._seen(place)[0]
 
     def _seen(self, place: Place) -> tuple[float, float]:
         """Return a position along the passage and across it, m."""
@@ -86,16 +90,18 @@ class Neighbourhood:
 
     def nearest(self, x: float, y: float, within: float) -> int | None:
         """Return the number of the nearest point no farther than ``within`` m, or None."""
+        found = min(self.within(x, y, within), key=lambda each: each[0], default=None)
+        return None if found is None else found[1]
+
+    def within(self, x: float, y: float, distance: float) -> Iterator[tuple[float, int]]:
+        """Yield how far each point is that is no farther than a distance, m, and its number."""
         column, row = self._cell_of(x, y)
-        reach = ceil(within / self.cell)
-        best, found = within, None
+        reach = ceil(distance / self.cell)
         for i in range(column - reach, column + reach + 1):
             for j in range(row - reach, row + reach + 1):
                 for px, py, number in self._cells.get((i, j), ()):
-                    distance = hypot(px - x, py - y)
-                    if distance < best or (distance == best and found is None):
-                        best, found = distance, number
-        return found
+                    if (far := hypot(px - x, py - y)) <= distance:
+                        yield far, number
 
     def _cell_of(self, x: float, y: float) -> tuple[int, int]:
         return floor(x / self.cell), floor(y / self.cell)
@@ -160,6 +166,22 @@ class NavigationGraph:
         if self._gateways.nearest(x, y, self.gateway_spacing) is not None:
             return None
         return self._go(self._make(Place(x, y, gateway=True, heading=heading)), new=True)
+
+    def look_into(self, gateway: int, x: float, y: float) -> int | None:
+        """Tell the graph how far the robot went through a gateway before it turned round, m.
+
+        Returns
+        -------
+        int or None
+            A new node there; None where one is near on that side.
+        """
+        door, here = self.places[gateway], Place(x, y)
+        near = (self.places[number] for _, number in self._near.within(x, y, self.spacing))
+        if not all(other.gateway or door.parts(here, other, inf) for other in near):
+            return None
+        made = self._make(here)
+        self.edges.add((gateway, made))
+        return made
 
     def leave(self) -> None:
         """Tell the graph that the robot is somewhere else, and did not drive there."""

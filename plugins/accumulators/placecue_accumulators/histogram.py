@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from math import floor
 from typing import TypeAlias
@@ -151,6 +152,15 @@ class ViewpointHistogram:
     def sums(self) -> BinSums:
         """Return the bins' means summed, and how many bins there are."""
         return BinSums(self._total, float(len(self._bins)))
+
+    def part(self, keys: Iterable[Key]) -> BinSums:
+        """Return the sums over some of the bins."""
+        means = [self._bins[key].mean for key in keys]
+        return BinSums(np.sum(means, axis=0), float(len(means))) if means else BinSums()
+
+    def __iter__(self) -> Iterator[Key]:
+        """Yield the bins that there are."""
+        return iter(self._bins)
 
     def __len__(self) -> int:
         return len(self._bins)

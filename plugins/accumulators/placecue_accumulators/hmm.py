@@ -45,7 +45,7 @@ class HiddenMarkov(NodeAccumulator):
     boundary : Boundary, or sequence or mapping of Boundary, optional
         Doors, which part areas of one label; none by default.
     bin_x, bin_y, bin_theta, accept_confidence, label_probability, sharpness, independent, doubt, \
-    node_spacing, gateway_spacing, prior_bins
+    node_spacing, gateway_spacing, prior_bins, temperature
         As of :class:`~placecue_accumulators.spatiotemporal.SpatioTemporal`.
 
     References
@@ -71,6 +71,7 @@ class HiddenMarkov(NodeAccumulator):
         node_spacing: float = 1.0,
         gateway_spacing: float = 1.0,
         prior_bins: float = 20.0,
+        temperature: float = 1.0,
     ) -> None:
         self.lasts = lasts
         self.transitions = transitions
@@ -87,6 +88,7 @@ class HiddenMarkov(NodeAccumulator):
         self.node_spacing = node_spacing
         self.gateway_spacing = gateway_spacing
         self.prior_bins = prior_bins
+        self.temperature = temperature
 
     def check_parameters(self) -> None:
         """Raise UsageError if a length is not positive or a share not between 0 and 1."""

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from placecue.belief import Belief
 from placecue.checks import check_number
-from placecue.distribution import doubted, log_odds, softmax
+from placecue.distribution import doubted, log_odds, softmax, tempered
 from placecue.errors import UsageError
 from placecue.scores import Layout, Probabilities
 from placecue.semantic_map import UNKNOWN
 from placecue_accumulators.histogram import BinSums
+from placecue_accumulators.strangeness import ALONE, Strangeness
 
 Values = NDArray[np.float64]
 
@@ -68,6 +69,11 @@ class Judge:
         The share of places at which beliefs may say anything, 0 to 1.
     most_bins : float
         More bins make no surer than this many.
+    temperature : float
+        Log odds of a place are divided by this before they are told: beliefs in a building that
+        was not trained on err alike.
+    strangeness : Strangeness
+        And by its factor.
     """
 
     layout: Layout
@@ -77,6 +83,8 @@ class Judge:
     independent: float
     doubt: float
     most_bins: float
+    temperature: float
+    strangeness: Strangeness
 
     def likelihoods(self, sums: BinSums) -> Values:
         """Return the log-likelihood of each class, up to a constant, shape (M,)."""
@@ -93,7 +101,12 @@ class Judge:
 
     def probabilities(self, sums: BinSums) -> Values:
         """Return the probability of each class, shape (M,)."""
-        return doubted(softmax(self.likelihoods(sums)), self.doubt)
+        return self.told(softmax(self.likelihoods(sums)))
+
+    def told(self, probabilities: Values) -> Values:
+        """Return how probable the classes of places are told to be, shape (..., M)."""
+        temperature = self.temperature * self.strangeness.factor
+        return doubted(tempered(probabilities, temperature), self.doubt)
 
     def judge(self, sums: BinSums) -> Judgement:
         """Judge scores of a bin or more."""
@@ -124,6 +137,7 @@ class Judging(Protocol):
     independent: float
     doubt: float
     prior_bins: float
+    temperature: float
     judge_: Judge | None
 
 
@@ -139,6 +153,8 @@ def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
     if known is not None:
         check_same_layout(known.layout, layout)
         return known
+    learned = owner.sharpness is None and belief.sharpness is not None
+    otherwise = ALONE if learned else 1.0  # a sharpness that is given is meant as it is
     return Judge(
         layout=layout,
         sharpness=owner.sharpness or belief.sharpness or usual_sharpness(layout),
@@ -147,14 +163,17 @@ def judge_for(owner: Judging, belief: Belief, least_margin: float) -> Judge:
         independent=owner.independent,
         doubt=owner.doubt,
         most_bins=owner.prior_bins,
+        temperature=owner.temperature,
+        strangeness=Strangeness(belief.agreement, len(layout.classes), otherwise),
     )
 
 
 def check_judging(owner: Judging) -> None:
-    """Raise UsageError if a share of an accumulator is not between 0 and 1, or it is not sharp."""
+    """Raise UsageError if a share is not between 0 and 1, or another number not above 0."""
     for name in ("label_probability", "doubt"):
         check_number(name, getattr(owner, name), least=0, below=1)
     check_number("independent", owner.independent, least=0, most=1)
+    check_number("temperature", owner.temperature, above=0)
     if owner.sharpness is not None:
         check_number("sharpness", owner.sharpness, above=0)
 

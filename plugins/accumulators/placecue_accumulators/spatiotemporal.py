@@ -62,6 +62,9 @@ class SpatioTemporal(Accumulator):
         A door no farther than this from an earlier one makes no gateway, m.
     prior_bins : float
         What is stored of earlier visits counts as at most this many bins.
+    temperature : float
+        Log odds of a place are divided by this before they are told, and by how much less than in
+        training the model's cues agree (:mod:`~placecue_accumulators.strangeness`).
     merge : {"none", "open", "all"}
         Which neighbouring areas of one label are one in the map given out: none, those without a
         door between them, or all. The evidence stays apart.
@@ -101,6 +104,7 @@ class SpatioTemporal(Accumulator):
         node_spacing: float = 1.0,
         gateway_spacing: float = 2.0,
         prior_bins: float = 20.0,
+        temperature: float = 1.0,
         merge: Merge = "none",
     ) -> None:
         self.boundary = boundary
@@ -117,6 +121,7 @@ class SpatioTemporal(Accumulator):
         self.node_spacing = node_spacing
         self.gateway_spacing = gateway_spacing
         self.prior_bins = prior_bins
+        self.temperature = temperature
         self.merge = merge
 
     def reset(self) -> None:
@@ -162,6 +167,7 @@ class SpatioTemporal(Accumulator):
         viewpoint = journey.visit(pose, observation.stamp)  # be somewhere
         if belief is not None and accepts(belief, self.accept_confidence):
             journey.judge = self._judge_of(belief)
+            journey.judge.strangeness.hear(belief, viewpoint)
             journey.hear(observation, belief)  # end the area where beliefs have changed
             journey.accumulate(viewpoint, belief)  # add to the node and the area, and judge
             self.doubts_.count(belief.label)
@@ -198,7 +204,8 @@ class SpatioTemporal(Accumulator):
         """Return what a person should know of the map, a line each."""
         if not hasattr(self, "journey_"):
             return []
-        return self.doubts_.lines(self.semantic_map())
+        strange = self.judge_.strangeness.lines() if self.judge_ else []
+        return [*strange, *self.doubts_.lines(self.semantic_map())]
 
     def _unplaced(self, observation: Observation, belief: Belief | None) -> AreaUpdate | None:
         """Take in a moment without a pose: of a log without any, areas are windows of time."""

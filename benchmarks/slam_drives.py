@@ -34,7 +34,7 @@ class Drive:
     Parameters
     ----------
     observations : list of Observation
-        With scans; their poses are what the wheels say.
+        With scans; their poses are what the wheels say, if they say anything.
     true : ndarray or None
         Poses that are known better, shape (n, 3).
     """
@@ -48,17 +48,23 @@ class Drive:
 
     @cached_property
     def raw(self) -> Poses:
-        return np.array([array_of(each.pose) for each in self.observations])
+        return np.array(
+            [
+                [np.nan] * 3 if each.pose is None else array_of(each.pose)
+                for each in self.observations
+            ]
+        )
 
     @property
     def way(self) -> float:
-        driven = self.raw if self.true is None else self.true
+        driven = self.raw[~np.isnan(self.raw[:, 0])] if self.true is None else self.true
         return float(np.hypot(*np.diff(driven[:, :2], axis=0).T).sum())
 
     def at(self, poses: Poses) -> Iterator[Observation]:
-        """Yield the observations at other poses."""
+        """Yield the observations at other poses, where they are known."""
         for each, pose in zip(self.observations, poses.tolist(), strict=True):
-            yield each.placed(Pose2D(*pose, "map"))
+            if np.isfinite(pose).all():
+                yield each.placed(Pose2D(*pose, "map"))
 
 
 @dataclass
@@ -83,10 +89,10 @@ def drives(drive: Drive) -> Found:
     return Found(np.array(told), final, mapper.account, seconds)
 
 
-@lru_cache(maxsize=1)
-def true_drive(floor: str, seed: int) -> tuple[list[Observation], Poses]:
+@lru_cache(maxsize=2)
+def true_drive(floor: str, seed: int, run: int = 1) -> tuple[list[Observation], Poses]:
     """Return what is seen on a drive through a simulated floor, and the true poses."""
-    seen = list(Office(world=floor, seed=seed, pose="truth"))
+    seen = list(Office(world=floor, seed=seed, run=run, pose="truth"))
     return seen, np.array([array_of(each.pose) for each in seen])
 
 
@@ -97,6 +103,28 @@ def office_drive(floor: str, seed: int, drift: float) -> Drive:
     raw = [Pose2D(*pose) for pose in told.tolist()]
     pairs = zip(seen, raw, strict=True)
     return Drive([Observation(each.stamp, scan=each.scan, pose=pose) for each, pose in pairs], true)
+
+
+def carried_drive(floor: str, seed: int, drift: float) -> tuple[Drive, int]:
+    """Return half a drive, and a third of another on the same floor, and where that begins.
+
+    Between the two the robot is carried to where the second begins; its wheels notice nothing. In
+    the second drive things stand elsewhere, and it goes another way.
+    """
+    (seen, true), (again, where) = true_drive(floor, seed), true_drive(floor, seed, run=2)
+    half, third = len(seen) // 2, len(again) // 3
+    rng = np.random.default_rng((seed, round(1000 * drift)))
+    raw, more = odometry(true[:half], drift, rng), odometry(where[:third], drift, rng)
+    on = np.array([compose(raw[-1], between(more[0], pose)) for pose in more])
+    step = seen[1].stamp - seen[0].stamp
+    stamps = seen[0].stamp + step * np.arange(half + third)
+    scans = [each.scan for each in (*seen[:half], *again[:third])]
+    poses = [Pose2D(*pose) for pose in np.vstack([raw, on]).tolist()]
+    made = [
+        Observation(int(stamp), scan=scan, pose=pose)
+        for stamp, scan, pose in zip(stamps, scans, poses, strict=True)
+    ]
+    return Drive(made, np.vstack([true[:half], where[:third]])), half
 
 
 def carmen_drive(name: str) -> Drive:
@@ -131,8 +159,8 @@ def raw_odometry(path: Path) -> dict[int, Poses]:
 
 
 def bag_drive(name: str) -> Drive:
-    """Return a robot's log, as it was recorded; moments without odometry left out."""
+    """Return a robot's log, as it was recorded."""
     path = Path(os.environ["PLACECUE_DATA"]) / "bags" / name
     kind: type[McapLog] = RosbagLog
     log: Source = kind(str(path), parts=["scan", "pose"])
-    return Drive([each for each in log if each.scan is not None and each.pose is not None])
+    return Drive([each for each in log if each.scan is not None])

@@ -54,6 +54,15 @@ def ape(stamps: np.ndarray, poses: Poses, reference: Poses) -> dict[str, float]:
     return {name: round(float(error.get_statistic(kind)), 3) for name, kind in told.items()}
 
 
+def off_where_first_fits(poses: Poses, reference: Poses, count: int) -> np.ndarray:
+    """Return how far poses are off, m, where the first ones are laid on the reference."""
+    one, other = poses[:, :2], reference[:, :2]
+    middles = one[:count].mean(axis=0), other[:count].mean(axis=0)
+    u, _, v = np.linalg.svd((one[:count] - middles[0]).T @ (other[:count] - middles[1]))
+    turn = u @ np.diag([1.0, np.linalg.det(u @ v)]) @ v
+    return np.hypot(*((one - middles[0]) @ turn + middles[1] - other).T)
+
+
 def doors_apart(drive: Drive, poses: Poses) -> float | None:
     """Return the largest distance between where a door lies by two passages, m."""
     assert drive.true is not None
@@ -99,8 +108,8 @@ def draw(drive: Drive, found: Found, out: Path) -> None:
         axis.plot(*poses[:, :2].T, "-", color="#c0392b", linewidth=0.6)
         axis.set(title=name, aspect="equal")
         axis.tick_params(labelsize=7)
-        word = name.split()[0]
-        (out / f"{word}.tum").write_text(tum(drive.stamps, poses))
+        word, known = name.split()[0], np.isfinite(poses[:, 0])
+        (out / f"{word}.tum").write_text(tum(drive.stamps[known], poses[known]))
         file_interface.read_tum_trajectory_file(out / f"{word}.tum")
     figure.tight_layout()
     figure.savefig(out / "walls.png", dpi=110)
@@ -110,7 +119,7 @@ def draw(drive: Drive, found: Found, out: Path) -> None:
 def _ends(drive: Drive, poses: Poses) -> np.ndarray:
     last, found = None, [np.empty((0, 2))]
     for each, pose in zip(drive.observations, poses, strict=True):
-        if last is not None and np.hypot(*(pose - last)[:2]) < EVERY:
+        if np.isnan(pose).any() or (last is not None and np.hypot(*(pose - last)[:2]) < EVERY):
             continue
         last = pose
         points = each.scan.points()
@@ -125,7 +134,7 @@ def tables(folder: Path) -> str:
         result = json.loads(path.read_text())
         parts[result["part"]].append(result)
     made = {
-        **{"office": _office, "carmen": _carmen, "bags": _bags},
+        **{"office": _office, "carried": _carried, "carmen": _carmen, "bags": _bags},
         **{"explore": _explore, "speed": _speed},
     }
     return "\n\n".join(make(parts[part]) for part, make in made.items() if parts[part])
@@ -152,6 +161,22 @@ def _office(results: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def _carried(results: list[dict[str, Any]]) -> str:
+    lines = [
+        "| floor | run | scans before it was carried, and after | off then, m, median: loops by "
+        "position alone | by likeness too | knew where it was after |",
+        "|---|---|---|---|---|---|",
+    ]
+    for each in results:
+        alone, also = each["position"], each["likeness"]
+        lines.append(
+            f"| {each['floor']} | {each['seed']} | {each['scans'] - also['of']}, {also['of']} "
+            f"| {alone['off']:.2f} | {also['off']:.2f} "
+            f"| {'never' if also['knew'] == also['of'] else str(also['knew']) + ' scans'} |"
+        )
+    return "\n".join(lines)
+
+
 def _carmen(results: list[dict[str, Any]]) -> str:
     lines = [
         "| log | scans | way, m | odometry, rms | as told at once | at the end, rms | largest "
@@ -173,6 +198,8 @@ def cells_hit(drive: Drive, poses: Poses) -> int:
     """Return how many cells of 5 cm the laser hit within 10 m: fewer where walls are thin."""
     keys: set[tuple[int, int]] = set()
     for each, pose in zip(drive.observations, poses, strict=True):
+        if np.isnan(pose).any():
+            continue
         points = each.scan.points()
         placed = moved(points[np.hypot(*points.T) <= HIT], pose)
         keys.update(map(tuple, np.unique(np.floor(placed / FINE).astype(int), axis=0).tolist()))
@@ -214,7 +241,9 @@ def _speed(results: list[dict[str, Any]]) -> str:
         f"{each['scans']} scans ({each['hours']:.2f} h, {each['way']:.0f} m): "
         f"{each['per_second']:.0f} scans a second of processor time; latency median "
         f"{each['median_ms']:.1f} ms, 99th percentile {each['late_ms']:.1f} ms, largest "
-        f"{each['worst_ms']:.0f} ms; {each['keyframes']} keyframes; memory "
-        f"{each['bytes']:.0f} bytes an observation"
+        f"{each['worst_ms']:.0f} ms; {each['keyframes']} keyframes; on new ground "
+        f"{each['bytes']:.0f} bytes an observation, {each['keyframe_bytes']:.0f} a keyframe; "
+        f"off there at the end: {each['new_off']:.2f} m; memory by scans: "
+        + ", ".join(f"{n}: {b / 1e6:.1f} MB ({k})" for n, b, k in each["grown"])
         for each in results
     )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import socket
 import struct
 import time
@@ -17,6 +19,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap.records import Channel, Message, Schema
 
+from command_line import placecue
 from placecue import Observation
 from placecue.logs.live.log import LiveLog
 
@@ -24,6 +27,8 @@ foxglove = pytest.importorskip("foxglove", reason="needs foxglove-sdk (placecue[
 pytest.importorskip("websockets", reason="needs websockets (placecue[live])")
 
 Recorded = tuple[Schema | None, Channel, Message]
+#: What live serves.
+SERVED = ("/placecue/belief", "/placecue/area", "/placecue/map")
 #: What a log of McapWriter is read from.
 READ = ("/camera/image/compressed", "/scan", "/odom", "/label")
 
@@ -208,6 +213,38 @@ def heard(url: str, *topics: str) -> Iterator[tuple[str, dict[str, Any]]]:
             if isinstance(frame, bytes) and frame[0] == 1:
                 _, number, _ = struct.unpack_from("<BIQ", frame)
                 yield ids[number], json.loads(frame[13:])
+
+
+def followed_live(
+    sends: Robot, topics: Sequence[str], beliefs: int, *words: str
+) -> tuple[Any, dict[str, list[dict[str, Any]]]]:
+    """Run ``placecue live`` while a robot sends its log; Ctrl-C after so many beliefs.
+
+    Returns what the command answered, and what it served by topic: beliefs, areas and maps.
+    """
+    port, served = free_port(), dict[str, list[dict[str, Any]]]()
+    hearing = heard(f"ws://127.0.0.1:{port}", *SERVED)
+
+    def look_on() -> None:
+        try:
+            next(hearing)  # the command has begun
+            sends.wait(*topics)
+            sends.drive()
+            for topic, message in hearing:
+                served.setdefault(topic, []).append(message)
+                if len(served.get(SERVED[0], ())) == beliefs:
+                    return
+        finally:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    looking = Thread(target=look_on, daemon=True)
+    looking.start()
+    told = placecue(
+        *("live", sends.url, f"port={port}", "source.patience=null", "source.beginning=0.2"),
+        *words,
+    )
+    looking.join(60)
+    return told, served
 
 
 def _connected(url: str) -> Any:

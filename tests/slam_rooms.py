@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from placecue import LaserScan, Observation, Pose2D, Source
+from placecue.slam.planar import between, compose
 from placecue.slam.straightened import Straightened
 
 BEAMS = {180: np.radians(np.arange(-90, 90.5, 1.0)), 360: np.radians(np.arange(-180, 180, 2.0))}
@@ -124,6 +125,27 @@ def around_the_block() -> tuple[np.ndarray, list[Observation]]:
     return odometry, drive(ring(), ROUND, odometry)
 
 
+#: A room, and one elsewhere.
+SHOP = [*box(0, 0, 7, 5), *box(0, 3.8, 1.4, 5), *box(5.6, 4, 7, 5), *box(3.2, 2.3, 3.8, 2.6)]
+ELSEWHERE = [*box(100, 100, 103, 109), *box(101, 104, 101.4, 104.4)]
+
+
+@cache
+def carried_and_back() -> tuple[np.ndarray, list[Observation], int]:
+    """Return a robot that is carried away and back: true poses, observations, how many are back.
+
+    Its wheels notice nothing of it: by them it drives on. Back in the room it goes another way.
+    """
+    before = way([(1.5, 1.2), (5.2, 1.2), (5.2, 3.4), (2, 3.4), (2, 1.8)], step=0.25, turn=0.4)
+    there = way([(102.2, 101.5), (102.2, 106.5)], step=0.25)
+    back = way([(5, 3.2), (2.4, 3.2), (2.4, 1.2)], step=0.25, turn=0.4)
+    true, by_wheels = np.vstack([before, there, back]), before
+    for part in (there, back):
+        moved = [compose(by_wheels[-1], between(part[0], pose)) for pose in part]
+        by_wheels = np.vstack([by_wheels, moved])
+    return true, drive(SHOP + ELSEWHERE, true, by_wheels, angles=BEAMS[360]), len(back)
+
+
 class Driven(Source):
     """Observations as a source."""
 
@@ -137,6 +159,13 @@ class Driven(Source):
 
     def digest(self) -> str:
         return "drive"
+
+
+@cache
+def corrected_carried() -> tuple[Straightened, list[Observation]]:
+    """Return the robot that is carried, with corrected poses, as they were told."""
+    source = Straightened(Driven(carried_and_back()[1]))
+    return source, list(source)
 
 
 @cache

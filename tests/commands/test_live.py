@@ -3,52 +3,30 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
-from threading import Thread
-from typing import Any
 
 import pytest
 
 from command_line import placecue
 from placecue.interrupting import stopped_by_interrupt
 from results import rows
-from robots import free_port, heard, recorded, robot
+from robots import SERVED, followed_live, recorded, robot
 
-BELIEF, AREA, MAP = "/placecue/belief", "/placecue/area", "/placecue/map"
+BELIEF, AREA, MAP = SERVED
 
 
 def test_it_comes_to_what_label_comes_to(
     tmp_path: Path, laser_model: Path, log_b: Path, labelled: Path
 ) -> None:
     """Beliefs, map and what is served; Ctrl-C once all has come."""
-    out, log = tmp_path / "live", recorded(log_b)
-    expected, served = rows(labelled / "beliefs.csv"), dict[str, list[dict[str, Any]]]()
-    port = free_port()
-
-    def look_on() -> None:
-        try:
-            next(hearing)  # the command has begun
-            sends.wait("/scan", "/odom", "/label")
-            sends.drive()
-            for topic, message in hearing:
-                served.setdefault(topic, []).append(message)
-                if len(served.get(BELIEF, ())) == len(expected) - 1:  # the last waits for a pose
-                    return
-        finally:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    with robot(log) as sends:
-        hearing = heard(f"ws://127.0.0.1:{port}", BELIEF, AREA, MAP)
-        looking = Thread(target=look_on, daemon=True)
-        looking.start()
-        told = placecue(
-            *("live", sends.url, str(laser_model), f"port={port}", f"out={out}"),
-            *("source.patience=null", "source.beginning=0.2"),
+    out, expected = tmp_path / "live", rows(labelled / "beliefs.csv")
+    with robot(recorded(log_b)) as sends:
+        told, served = followed_live(
+            *(sends, ("/scan", "/odom", "/label"), len(expected) - 1),  # the last waits for a pose
+            *(str(laser_model), f"out={out}"),
         )
-        looking.join(60)
     assert told.status == 0, told.err
     assert "dropped, as labelling did not keep up: 0 observations, 0 messages" in told.out
     assert "balanced accuracy" in told.out

@@ -9,6 +9,8 @@ from slam_rooms import (
     ROUND,
     around_the_block,
     box,
+    carried_and_back,
+    corrected_carried,
     corrected_round,
     drifting,
     drive,
@@ -19,9 +21,12 @@ from slam_rooms import (
 pytest.importorskip("small_gicp")
 pytest.importorskip("gtsam")
 
-from placecue.slam.loops import BEST, Loop, LoopFinder
+from placecue.slam.loops import LoopFinder
 from placecue.slam.mapper import Mapper
+from placecue.slam.verifying import BEST, Loop
 
+#: Between two moments of a drive, ns.
+STAMP = 200_000_000
 #: Around in a square room.
 SQUARE = way([(2, 2), (4, 2), (4, 4), (2, 4), (2, 2.2)], step=0.1)
 ROOM = [*box(0, 0, 6, 6), *box(2.8, 2.9, 3.2, 3.1)]
@@ -104,7 +109,7 @@ def test_a_loop_is_closed_and_moves_what_was_told_before():
 def test_a_loop_that_is_wrong_on_purpose_is_refused(monkeypatch):
     """The robot is said to be back at its start, turned round, on every third keyframe."""
 
-    def lies(self, keyframes, poses):
+    def lies(self, keyframes, poses, visits):
         later = len(keyframes) - 1
         wrong = np.array([1.0, -1.0, np.pi])
         return [Loop(0, later, wrong, np.diag(BEST**2))] if later % 3 == 2 else []
@@ -135,10 +140,38 @@ def test_the_same_observations_give_the_same_poses():
 def test_nodes_know_how_sure_they_are():
     odometry = drifting(SQUARE, stretch=1.05, veer=0.06)
     mapper, _, _ = followed(drive(ROOM, SQUARE, odometry))
-    first, last = (np.sqrt(np.diag(mapper.uncertainty(n))) for n in (0, len(mapper.keyframes) - 1))
+    first, last = (
+        np.sqrt(np.diag(mapper.map.uncertainty(n))) for n in (0, len(mapper.keyframes) - 1)
+    )
     assert (first < 0.002).all()
     assert (last[:2] > first[:2]).all()
     assert (last < 0.1).all()
+
+
+def test_a_robot_that_is_carried_back_knows_the_place_again(monkeypatch):
+    true, made, back = carried_and_back()
+    source, told = corrected_carried()
+    poses = np.array([(each.pose.x, each.pose.y, each.pose.theta) for each in told])
+    assert source.mapper.account.lost == 2
+    assert off(poses, true)[-1] < 0.05
+    final = source.mapper.trajectory.poses(source.mapper.poses)[-back // 2 :]
+    assert off(final, true[-len(final) :]).max() < 0.1
+    # By position alone it does not: it is metres away from where it thinks.
+    monkeypatch.setattr(LoopFinder, "_recognised", lambda *_: None)
+    _, poses, _ = followed(made)
+    assert off(poses, true)[-back:].min() > 1.0
+
+
+def test_on_known_ground_nothing_is_added():
+    """Around in the room twice: the second time the map has it all."""
+    once = way([(2, 2), (4, 2), (4, 4), (2, 4), (2, 2)], step=0.2, turn=0.3)
+    turn = way([(2, 2.2), (2, 2), (2.2, 2)], step=0.2, turn=0.3)[1:]
+    true = np.vstack([once, turn] * 2)
+    mapper, poses, _ = followed(drive(ROOM, true, drifting(true, 1.05, 0.06)))
+    made = np.searchsorted([keyframe.stamp for keyframe in mapper.keyframes], STAMP * len(once))
+    assert len(mapper.keyframes) <= made + 8
+    assert mapper.account.familiar > made // 2
+    assert off(poses, true).max() < 0.06
 
 
 # ---------------------------------------------------------------- bad input

@@ -68,3 +68,32 @@ def test_a_wrong_loop_among_right_ones_is_refused():
         assert graph.close(0, number, np.array([x, y, theta]), LOOP)
     assert not graph.close(4, 39, np.array([0.0, 0.0, -np.pi / 2]), LOOP)
     assert np.abs(graph.poses[40][:2]).max() < 0.01
+
+
+def test_a_robot_that_was_carried_away_is_swung_back_as_one_piece():
+    """After ten edges nobody knows what happened; another ten follow, which lie where they lie."""
+    graph, step = PoseGraph(np.zeros(3)), np.array([0.5, 0.0, 0.0])
+    for number in range(1, 11):
+        graph.add(np.array([0.5 * number, 0.0, 0.0]), step, EDGE)
+    carried = np.diag(np.array([10.0, 10.0, 1.5]) ** 2)
+    for number in range(11, 21):
+        graph.add(np.array([0.5 * number, 0.0, 0.0]), step, carried if number == 11 else EDGE)
+    # It drives the same ten poses again, the other way round, and is recognised at the last.
+    assert graph.close(1, 20, np.array([0.0, 0.0, -3.0]), LOOP)
+    x, y, theta = graph.poses[20]
+    assert (x, y, theta) == pytest.approx((0.5, 0.0, -3.0), abs=0.02)
+    back = np.array([0.5, 0.0]) - 4.5 * np.array([np.cos(-3.0), np.sin(-3.0)])
+    np.testing.assert_allclose(graph.poses[11][:2], back, atol=0.05)
+    np.testing.assert_allclose(graph.poses[10], [5.0, 0.0, 0.0], atol=0.02)
+
+
+def test_a_pose_may_be_measured_from_any_before():
+    graph, step = PoseGraph(np.zeros(3)), np.array([0.5, 0.0, 0.0])
+    for number in range(1, 5):
+        graph.add(np.array([0.5 * number, 0.0, 0.0]), step, EDGE)
+    graph.add(np.array([1.0, 0.5, 0.0]), np.array([0.0, 0.5, 0.0]), EDGE, base=2)
+    # A loop that moves the second moves what hangs on it.
+    assert graph.close(0, 2, np.array([1.0, 0.05, 0.0]), np.diag([1e-6, 1e-6, 1e-6]))
+    moved = graph.poses[5] - graph.poses[2]
+    np.testing.assert_allclose(graph.poses[2][:2], [1.0, 0.05], atol=0.005)
+    np.testing.assert_allclose(moved[:2], [0.0, 0.5], atol=0.01)

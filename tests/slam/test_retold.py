@@ -12,7 +12,7 @@ from placecue.slam.journal import Journal
 from placecue.slam.planar import between, compose
 from placecue.slam.retold import Retold
 from placecue_accumulators.spatiotemporal import SpatioTemporal
-from slam_rooms import ROUND, drifting, drive, ring
+from slam_rooms import ROUND, carried_and_back, corrected_carried, drifting, drive, ring
 
 LAYOUT = OneAgainstAll(("corridor", "kitchen", "office", "printer"))
 #: The middles of the four sides of the block, each one place, with a door between two.
@@ -43,11 +43,11 @@ def believed(number):
 DOORS = tuple(n for n in range(1, len(ROUND)) if believed(n).label != believed(n - 1).label)
 
 
-def accumulator():
-    return SpatioTemporal(boundary=DoorsAt(DOORS), label_probability=0.4)
+def accumulator(doors=DOORS):
+    return SpatioTemporal(boundary=DoorsAt(doors), label_probability=0.4)
 
 
-def labelled(made, observations):
+def labelled(made, observations, believed=believed):
     for number, observation in enumerate(observations):
         if observation.correction is not None:
             made.corrected(observation.correction)
@@ -147,3 +147,42 @@ def test_a_journal_gives_back_what_was_seen():
         expected = None if number == 1 else believed(number)
         assert (belief is None) == (expected is None)
         assert belief is None or replace(belief, scores=None) == replace(expected, scores=None)
+
+
+def test_a_robot_that_knows_a_place_again_late_makes_the_map_of_a_second_reading():
+    """From scans to areas: told once, and told with the poses that were known at the end."""
+    pytest.importorskip("small_gicp")
+    pytest.importorskip("gtsam")
+    true, _, back = carried_and_back()
+    source, told = corrected_carried()
+    elsewhere = np.flatnonzero(true[:, 0] > 50)
+    trajectory, stamps = source.mapper.trajectory, [each.stamp for each in told]
+    at = np.searchsorted(trajectory.stamps(), stamps, side="right") - 1
+    final = trajectory.poses(source.mapper.poses)[at].tolist()
+    again = [each.placed(Pose2D(*pose, "map")) for each, pose in zip(told, final, strict=True)]
+    at_once = [each.placed(each.pose) for each in told]
+    doors = [stamps[elsewhere[0]], stamps[-back]]
+
+    def room(number):
+        return believed(DOORS[0] if number in elsewhere else 0)
+
+    def made(observations, accumulator):
+        return labelled(accumulator, observations, room)
+
+    once = made(told, Retold(accumulator(doors)))
+    twice, uncorrected = (made(each, accumulator(doors)) for each in (again, at_once))
+    assert areas(once) == areas(twice)
+    assert farthest(once, twice) < 0.05
+    assert farthest(uncorrected, twice) > 1.0
+
+
+def areas(made):
+    """The areas of a map, each with its label and its nodes: whether they are doors."""
+    nodes = {area.id: [n.gateway for n in made.nodes if n.area == area.id] for area in made.areas}
+    return [(area.label, nodes[area.id]) for area in made.areas]
+
+
+def farthest(one, other):
+    """How far a node of one map is from all of another, m, at most."""
+    there = np.array([(node.x, node.y) for node in other.nodes])
+    return max(np.hypot(*(there - [node.x, node.y]).T).min() for node in one.nodes)

@@ -19,6 +19,8 @@ class Account:
         Those whose scan was laid on the map.
     untold : int
         Of these, those where the walls left a direction open, as in a corridor.
+    familiar : int
+        Times that the robot came to a place that the map had already; nothing was added.
     few : int
         Scans with too few end points to say anything.
     unmatched : int
@@ -30,7 +32,7 @@ class Account:
     jumps : int
         Times that odometry said what cannot be.
     lost : int
-        Times that the map was begun anew, with a guess of how it hangs together.
+        Times that a new piece of the map was begun, with a guess of how it hangs together.
     disordered : int
         Observations not later than the one before; they moved nothing.
     loops, confirmed, refused : int
@@ -41,6 +43,7 @@ class Account:
     still: int = 0
     matched: int = 0
     untold: int = 0
+    familiar: int = 0
     few: int = 0
     unmatched: int = 0
     stopped: int = 0
@@ -58,12 +61,13 @@ class Account:
         notes = (
             (self.still, "of a standing robot"),
             (self.untold, "in corridors, along which odometry counts"),
+            (self.familiar, "times at places that the map had"),
             (self.few, "with too few end points"),
             (self.unmatched, "unlike all before, placed by odometry"),
             (self.stopped, "in motion while odometry stood still"),
             (self.without, "observations without odometry"),
             (self.jumps, "jumps of odometry passed over"),
-            (self.lost, "times lost"),
+            (self.lost, "times begun anew, as the robot may have been carried"),
             (self.disordered, "observations out of order of time"),
         )
         parts += [f"{count} {what}" for count, what in notes if count]

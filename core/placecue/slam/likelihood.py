@@ -61,7 +61,9 @@ class Field:
         found[inside] = self._distances[at[inside, 1], at[inside, 0]]
         return found
 
-    def search(self, points: Array, guess: Array, reach: float, turn: float) -> Found:
+    def search(
+        self, points: Array, guess: Array, reach: float, turn: float, coarse: float = 1.0
+    ) -> Found:
         """Try poses around a guess on a grid, and return the best.
 
         Parameters
@@ -72,18 +74,22 @@ class Field:
             Where their frame may be.
         reach, turn : float
             How far off that may be in x and y, m, and in heading, rad.
+        coarse : float
+            Steps are so many times as wide, and points so many times fewer.
 
         References
         ----------
         Olson, Real-time correlative scan matching, ICRA 2009.
         """
-        some = points[np.linspace(0, len(points) - 1, min(TRIED, len(points))).astype(int)]
-        bells = np.exp(-0.5 * (np.minimum(self._distances, FAR) / WIDTH) ** 2)
+        step, step_turn, tried = coarse * STEP, coarse * STEP_TURN, int(TRIED / coarse)
+        some = points[np.linspace(0, len(points) - 1, min(tried, len(points))).astype(int)]
+        far = np.minimum(self._distances, FAR)
         pad = int(np.ceil(reach / CELL)) + 1
-        offsets = np.arange(-(reach // STEP), reach // STEP + 1) * STEP
+        bells = np.pad(np.exp(-0.5 * (far / (coarse * WIDTH)) ** 2), pad)
+        offsets = np.arange(-(reach // step), reach // step + 1) * step
         cells = np.round(offsets / CELL).astype(np.int64)
         best = Found(guess, -1.0)
-        for heading in np.arange(-(turn // STEP_TURN), turn // STEP_TURN + 1) * STEP_TURN:
+        for heading in np.arange(-(turn // step_turn), turn // step_turn + 1) * step_turn:
             start = compose(guess, np.array([0.0, 0.0, heading]))
             scores = _scores(bells, self._cells(moved(some, start)), cells, pad)
             at = int(scores.argmax())
@@ -98,16 +104,14 @@ class Field:
 
 
 def _scores(
-    bells: NDArray[np.float64], at: NDArray[np.int64], offsets: NDArray[np.int64], pad: int
+    padded: NDArray[np.float64], at: NDArray[np.int64], offsets: NDArray[np.int64], pad: int
 ) -> NDArray[np.float64]:
     """Return the mean bell of cells moved by each pair of offsets, shape (rows, columns)."""
-    height, width = bells.shape
-    padded = np.pad(bells, pad)
+    height, width = padded.shape
     # What lies outside the grid lies in its rim, where there is nothing.
-    columns = np.clip(at[:, 0], -1, width) + pad
-    rows = np.clip(at[:, 1], -1, height) + pad
-    starts = rows * padded.shape[1] + columns
-    moves = (offsets[:, None] * padded.shape[1] + offsets[None, :]).ravel()
-    flat = padded.ravel()
-    index = np.clip(starts[None, :] + moves[:, None], 0, flat.size - 1)
-    return np.asarray(flat[index].mean(axis=1).reshape(len(offsets), len(offsets)))
+    columns = np.clip(at[:, 0] + pad, pad - 1, width - pad)
+    rows = np.clip(at[:, 1] + pad, pad - 1, height - pad)
+    starts = rows * width + columns
+    moves = (offsets[:, None] * width + offsets[None, :]).ravel()
+    index = np.clip(starts[None, :] + moves[:, None], 0, padded.size - 1)
+    return np.asarray(padded.ravel()[index].mean(axis=1).reshape(len(offsets), len(offsets)))

@@ -15,7 +15,7 @@ log = logging.getLogger(__name__)
 #: What poses are corrected by.
 SEEN: tuple[Part, ...] = ("scan", "pose")
 #: Goes up when the same log gives other poses.
-VERSION = 1
+VERSION = 2
 
 
 class Straightened(Wrapped):

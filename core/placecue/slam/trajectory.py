@@ -34,7 +34,7 @@ class Trajectory:
         stamp : int
             ns.
         keyframe : int
-            The last one.
+            The one that the robot was at last.
         seen : ndarray, shape (3,)
             The robot's pose, seen from there.
         """
@@ -46,6 +46,12 @@ class Trajectory:
         self._stamps.append(stamp)
         self._keyframes.append(keyframe)
         self._seen.extend(seen.tolist())
+
+    def bases(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return when the robot came to another keyframe, ns, and to which; two arrays (k,)."""
+        keyframes = np.array(self._keyframes, dtype=np.int64)
+        first = np.flatnonzero(np.diff(keyframes, prepend=-1))
+        return self.stamps()[first], keyframes[first]
 
     def stamps(self) -> NDArray[np.int64]:
         """Return the times, ns, shape (n,)."""

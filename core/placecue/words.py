@@ -9,7 +9,9 @@ from hydra.core.override_parser.types import QuotedString
 from hydra.errors import HydraException
 
 #: The last part of keys whose values are paths,
-PATHS = frozenset({"out", "log", "path", "model", "labels", "rooms", "root", "folder", "plan"})
+PATHS = frozenset(
+    {"out", "log", "path", "model", "labels", "rooms", "root", "folder", "plan", "map"}
+)
 #: and of those whose values name labels, or a file that does.
 LABELS = frozenset({"label_map"})
 LIST = re.compile(r"\[(?P<inside>.*)\]", re.DOTALL)

@@ -16,6 +16,7 @@ from placecue.commands.show import _edge
         ([1, 10, 100], [0.1, 0.3, 0.3], None),  # one of the best lies within
         ([1, 100, 1, 100], [0.1, 0.2, 0.1, 0.3], "largest"),
         ([5, 5], [0.1, 0.2], None),  # not searched
+        ([1, 10, 100], [0.1, 0.298, 0.3], None),  # as good beside the end
         (["oaa", "oao"], [0.1, 0.2], None),
         ([True, False], [0.1, 0.2], None),
     ],

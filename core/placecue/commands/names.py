@@ -24,9 +24,11 @@ COMMANDS = {
 #: Set to 1 in the environment for full tracebacks; ``hydra.verbose=true`` does it for one run.
 TRACEBACK = "PLACECUE_TRACEBACK"
 
-LOG, OUT, MODEL = "log", "out", "model"
+LOG, OUT, MODEL, MAP = "log", "out", "model", "map"
 #: The command whose log is the address of a robot.
 LIVE = "live"
+#: The command whose path is a map.
+WHERE = "where"
 #: What paths that stand by themselves are: the first key takes all of them, but ``out`` is the last
 #: of two or more, and ``model`` one that is a model's folder.
 PATHS: dict[str, tuple[str, ...]] = {
@@ -43,4 +45,5 @@ PATHS: dict[str, tuple[str, ...]] = {
     "annotate": (LOG, OUT),
     "info": (LOG,),
     "doctor": (LOG, MODEL),
+    WHERE: (MAP,),
 }

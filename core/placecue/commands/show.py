@@ -16,6 +16,9 @@ from placecue.guard import call
 from placecue.pipeline import Pipeline
 from placecue.semantic_map import UNKNOWN
 
+#: A value at the end of a grid that is so little better than the others says nothing of more.
+AS_GOOD = 0.005
+
 
 def scores(tally: Tally) -> None:
     """Print the recall of each class and the balanced accuracy, by cue and integrated.
@@ -110,7 +113,10 @@ def at_edges(pipeline: Pipeline) -> list[str]:
 
 
 def _edge(values: Sequence[Any], scores: Sequence[float]) -> str | None:
-    """Return which end of a grid all the best points are at; None where one lies within."""
+    """Return which end of a grid all the best points are at; None where one lies within.
+
+    None, too, where the value beside the end is as good but for :data:`AS_GOOD`.
+    """
     kinds = (int, float, np.number)
     if not all(isinstance(each, kinds) and not isinstance(each, bool) for each in values):
         return None
@@ -118,6 +124,9 @@ def _edge(values: Sequence[Any], scores: Sequence[float]) -> str | None:
     if len(best) != 1 or len(set(values)) < 2:
         return None
     [value] = best
+    others = [score for each, score in zip(values, scores, strict=True) if each != value]
+    if max(scores) - max(others) < AS_GOOD:
+        return None
     return {min(values): "smallest", max(values): "largest"}.get(value)
 
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from placecue.commands.names import LIVE, MODEL, OUT, PATHS
+from placecue.commands.names import LIVE, MODEL, OUT, PATHS, WHERE
 from placecue.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _given(command: str, paths: list[str], keys: set[str]) -> dict[str, list[str
 
 def _split(command: str, path: str) -> list[str]:
     """Return the MCAP files of a recording that ROS 2 has split; else the path itself."""
-    if command == LIVE:
+    if command in (LIVE, WHERE):
         return [path]
     folder = Path(path).expanduser()
     if not folder.exists() and not re.search(r"[./]", path):

@@ -40,7 +40,7 @@ def picture(path: Path) -> None:
         ("convert", ["a.bag", "out=o.mcap"], ["log=a.bag", "out=o.mcap"]),
         ("convert", ["source=office", "o.mcap"], ["out=o.mcap", "source=office"]),
         ("report", ["runs/x"], ["out=runs/x"]),
-        ("where", ["labelled", "x=1", "y=2"], ["map=labelled", "x=1", "y=2"]),
+        ("where", ["labelled", "x=1", "y=2"], ["map='labelled'", "x=1", "y=2"]),
         ("info", ["a.mcap", "--cfg", "job"], ["log=a.mcap", "--cfg", "job"]),
         ("info", ["a.mcap", "--json"], ["log=a.mcap", "json=true"]),
     ],

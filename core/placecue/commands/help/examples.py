@@ -59,7 +59,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "where": (
         "placecue where labelled x=3.0 y=5.2",
-        "placecue where map=semantic_map.json x=3.0 y=5.2",
+        "placecue where map=map.json x=3 y=5",
     ),
     "cache": ("placecue cache", "placecue cache unused_days=30", "placecue cache trim_to=2"),
     "plugins": ("placecue plugins", "placecue plugins kind=cue", "placecue plugins --json"),

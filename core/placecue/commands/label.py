@@ -33,6 +33,11 @@ from placecue.storage import map_files
 from placecue.storage.belief_table import belief_table
 from placecue.surfaces import with_surfaces
 
+#: What a page says of a map that no model of the building made.
+STARTER = (
+    "Labelled by the starter, which has seen no room of this building, only drawn plans and the "
+    "photographs of a network: a beginning. A model of labels of your own knows it better."
+)
 WRITES = (*files.LABELLED, *files.ON_REQUEST)
 
 
@@ -118,10 +123,12 @@ def label(
     if tally.counts:
         write_json(out / files.SCORES, tally.to_json())
     facts = reporting.facts(config, log.name)
+    doubts = [*advice(sharpness), *doubts]
     reporting.write(config, out, lambda: run_page(
-        f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE
+        f"Map of {log.name}", facts, tally, sample, semantic_map, out / files.PICTURE,
+        [*([] if config["model"] else [STARTER]), *doubts],
     ))  # fmt: skip
-    for doubt in [*advice(sharpness), *doubts]:
+    for doubt in doubts:
         tell(f"note: {doubt}")
     return semantic_map
 

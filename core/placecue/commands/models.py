@@ -93,13 +93,18 @@ def _line(pipeline: Pipeline, images: bool, sees_objects: bool) -> str:
     """Return that the starter is used, and what would be gained without it."""
     by = {LASER: "the laser", OBJECTS: "objects in the images"}
     places = pipeline.classes
-    names = ", ".join(places) if len(places) <= NAMED else f"{len(places)} places"
+    many = len(places) > NAMED
+    names = f"{len(places)} places" if many else ", ".join(places)
     told = f"no model=: the starter tells {names} by "
     told += " and ".join(by[cue] for cue in pipeline.cues)
     if not sees_objects:
         told += f"; {INSTALL} tells kinds of rooms where there is a camera"
     elif not images:
         told += "; a camera would tell kinds of rooms"
+    elif many:
+        told += (
+            "; places=[office,kitchen,corridor] names those there are: it is then right more often"
+        )
     return f"{told}; a model of labels of your own (placecue train) knows the building better"
 
 

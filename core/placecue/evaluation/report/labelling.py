@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from placecue.evaluation.report import confusion
 from placecue.evaluation.report.figure import Figure
 from placecue.evaluation.report.page import Page, Part, Section
 from placecue.evaluation.report.sampled import MistakeSample
-from placecue.evaluation.report.table import Facts, Table
+from placecue.evaluation.report.table import Facts, Notes, Table
 from placecue.evaluation.tally import INTEGRATED, Tally
 from placecue.semantic_map import UNKNOWN, SemanticMap
 
@@ -21,6 +22,7 @@ def run_page(
     sample: MistakeSample,
     semantic_map: SemanticMap | None = None,
     picture: Path | None = None,
+    doubts: Sequence[str] = (),
 ) -> Page:
     """Return the page of a log that was classified, or labelled too.
 
@@ -38,11 +40,13 @@ def run_page(
         What the log was labelled with; the page opens with it.
     picture : Path, optional
         The drawn map, ``.png``.
+    doubts : sequence of str
+        What speaks against the map.
     """
     scored = bool(tally.counts)
     mistakes = sample.mistakes
     sections = [
-        Section("Map", _map(semantic_map, picture)),
+        Section("Map", [*_map(semantic_map, picture), *_doubts(doubts)]),
         Section("Scores", [_scores(tally)] if scored else []),
         Section("Confusion", [confusion.of_tally(tally)] if scored else []),
         Section("Cues", [_cues(tally)] if tally.used or tally.missing else []),
@@ -82,6 +86,10 @@ def _map(semantic_map: SemanticMap | None, picture: Path | None) -> list[Part]:
     ]
     headings = ["area", "label", "confidence", "nodes", "seconds from first to last seen"]
     return [*parts, Table(headings, rows, "Areas", digits=2)]
+
+
+def _doubts(doubts: Sequence[str]) -> list[Part]:
+    return [Notes(doubts)] if doubts else []
 
 
 def _scores(tally: Tally) -> Table:

@@ -52,8 +52,8 @@ class Drawn:
         from matplotlib import rc_context
 
         text = StringIO()
-        options = {"svg.hashsalt": salt, "svg.fonttype": "none"}
-        with rc_context(options), boxes_for_unknown():
+        options = rc_context({"svg.hashsalt": salt, "svg.fonttype": "none"})
+        with options, boxes_for_unknown():
             self.figure.savefig(text, format="svg", metadata={"Date": None})
         return text.getvalue()[text.getvalue().index("<svg") :]
 

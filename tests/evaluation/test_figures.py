@@ -340,8 +340,8 @@ def test_too_many_or_too_few_methods(results, about, tmp_path):
 
 def test_names_that_are_formulas_or_foreign_are_drawn_as_they_are(about, caplog, recwarn):
     pair = pairs()[0]
-    found = Results([result(pair, "crfh oaa", 0.9, classes=("$\\frac$ 5 $", "办公室"))])
-    made = drawn({"name": "Recalls", "kind": "classes", "methods": ["crfh oaa"]}, found, about)[1]
+    found = Results([result(pair, "CRFH OaA", 0.9, classes=("$\\frac$ 5 $", "办公室"))])
+    made = drawn({"name": "Recalls", "kind": "classes", "methods": ["CRFH OaA"]}, found, about)[1]
     svg = made.svg()
     assert "$\\frac$ 5 $" in svg
     assert "办公室" in svg

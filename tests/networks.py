@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from placecue_cues.networks.onnx_graph import Graph
+from placecue_cues.networks.protobuf import data, number, text
 
 #: What the two channels make of red, green and blue, and what is added.
 WEIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, -2.0]], np.float32)
@@ -24,6 +25,28 @@ def tiny(path: Path, side: int | str = 2, bias: float = 0.0) -> Path:
     graph.node("Flatten", ["pooled"], "mean", axis=1)
     graph.output("map", "n", 2, height, width)
     graph.output("mean", "n", 2)
+    path.write_bytes(graph.model())
+    return path
+
+
+def of_bytes(path: Path) -> Path:
+    """Write a network that gives back the bytes of an image of 2x2 pixels."""
+    # Of its input and output: the kind of number, 1 for float32 and 2 for uint8, and the shape.
+    made = of_one_node(path, "Identity").read_bytes()
+    path.write_bytes(made.replace(b"\x08\x01\x12", b"\x08\x02\x12"))
+    return path
+
+
+def with_weights_elsewhere(path: Path) -> Path:
+    """Write a network that adds to an image what stands in a file ``weights`` beside it."""
+    path.with_name("weights").write_bytes(np.ones((1, 3, 1, 1), np.float32).tobytes())
+    graph = Graph("elsewhere")
+    graph.input("image", "n", 3, 2, 2)
+    dims = b"".join(number(1, size) for size in (1, 3, 1, 1))
+    where = data(13, text(1, "location") + text(2, "weights")) + number(14, 1)
+    graph._tensors.append(dims + number(2, 1) + text(8, "weight") + where)
+    graph.node("Add", ["image", "weight"], "out")
+    graph.output("out", "n", 3, 2, 2)
     path.write_bytes(graph.model())
     return path
 

@@ -39,6 +39,7 @@ def evaluated(four: list[Path], tmp_path_factory: pytest.TempPathFactory) -> Pat
     words = ["cue=[laser,crfh]", "integrator=[gdas]", *FEW, "executor=none"]
     told = succeeds("evaluate", listed(four), *words, f"out={out}", "json=true")
     summary = json.loads(told.out.splitlines()[-1])
+    assert (summary["out"], summary["title"]) == (str(out), "3 methods")
     assert summary["results"] == 36
     assert summary["failed"] == 0
     return out
@@ -130,6 +131,8 @@ def test_runs_are_merged(four: list[Path], tmp_path: Path) -> None:
         ([*LASER, "log=[{0},{1}]", "pairs=[[day0,day7]]"], "names a recording 'day7'"),
         ([*LASER, "log=[{0},{1}]", "only=[sift]"], "only: no method 'sift'"),
         ([*LASER, "log=[{0},{1}]", "figures=[{{name: a, kind: pie}}]"], "is of no kind 'pie'"),
+        ([*LASER, "log=[{0},{1}]", "figures=bars"], "figures must list mappings"),
+        ([*LASER, "log=[{0},{1}]", "paper={{laser: 5}}"], "paper.laser must give percent"),
         ([*LASER, "log=[{0},{1}]", "every=0"], "every"),
         ([*LASER, "log={0}", "pairs=folds", "accumulators=[hmm]"], "label whole recordings"),
         ([*LASER, "log=[{0},{1}]", "accumulators=3"], "accumulators must be a list such as"),
@@ -145,6 +148,15 @@ def test_what_makes_no_sense_is_one_line(
     told = placecue("evaluate", *given, f"out={tmp_path / 'out'}", "executor=none")
     assert told.status in (1, 2)
     assert said in told.line
+
+
+def test_what_is_refused_leaves_an_older_run_as_it_was(evaluated: Path, four: list[Path]) -> None:
+    before = (evaluated / "experiment.json").read_bytes()
+    for wrong in ("pairs=most", "figures=[{name: a, kind: pie}]"):
+        words = [*LASER, wrong, f"out={evaluated}", "executor=none", "overwrite=true"]
+        assert placecue("evaluate", listed(four), *words).status == 2
+    assert (evaluated / "experiment.json").read_bytes() == before
+    assert len(list((evaluated / "results").glob("*.npz"))) == 36
 
 
 def test_two_runs_do_not_write_into_one_folder(evaluated: Path, four: list[Path]) -> None:

@@ -87,6 +87,31 @@ def test_suggested_moments_are_filled_in_and_given_back(gist_model: Path, tmp_pa
     assert counts == 5
 
 
+def test_moments_of_two_logs_of_one_time_are_told_apart(gist_model: Path, tmp_path: Path) -> None:
+    small = [write_log(tmp_path / f"{n}.mcap", Rooms(1, 2, n)) for n in (4, 5)]
+    words = [f"model={gist_model}", f"log=[{small[0]},{small[1]}]", "report=false"]
+    succeeds("suggest", *words, "moments=99", "out=s")
+    found = [(line["start"], line["log"]) for line in rows(Path("s", "suggestions.csv"))]
+    assert len(set(found)) == 16
+    assert {log for _, log in found} == {"4.mcap", "5.mcap"}
+
+
+def test_labels_of_times_that_the_log_has_not_are_told(gist_model: Path, tmp_path: Path) -> None:
+    log = write_log(tmp_path / "new.mcap", Rooms(1, 2, 6))
+    words = ["teach", f"model={gist_model}", f"log={log}", "labels=l.csv", "out=t"]
+    Path("l.csv").write_text("start,end,label\n1,2,lab\n1700000000,1700000000.1,lab\n")
+    told = placecue(*words)
+    assert "learned 1 samples: lab 1" in told.out
+    assert told.line == (
+        "1 of 2 labels of l.csv are of times at which new.mcap has no observation: they teach "
+        "nothing"
+    )
+    Path("l.csv").write_text("start,end,label\n1700000099,1700000100,lab\n")
+    told = placecue(*words, "overwrite=true")
+    assert told.status == 1
+    assert "the intervals of l.csv never meet the log: they span 1700000099" in told.line
+
+
 def test_what_is_chosen_is_unsure_and_unlike() -> None:
     # Three heaps of ten; the model is unsure of the last one only, least in its middle.
     generator = np.random.default_rng(0)
@@ -125,4 +150,9 @@ def test_a_class_that_is_nearly_a_known_one_is_told(gist_model: Path, log_b: Pat
         "teach", f"model={gist_model}", f"log={log_b}", "out=t", "label_map={office: kitchn}"
     )
     assert told.status == 0
+    assert "has learned from" not in told.err
+    again = placecue("teach", "model=t", f"log={log_b}", "out=u", "label_map={office: kitchn}")
+    assert f"the model has learned from {log_b.name} before: its samples count once more" == (
+        again.line
+    )
     assert "'kitchn' is a new class beside 'kitchen': label_map={kitchn: kitchen}" in told.err

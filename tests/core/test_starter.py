@@ -12,6 +12,7 @@ from placecue.starter.in_places import InPlaces
 from placecue.starter.pipeline import MODEL, InTerms, Starter
 from placecue.starter.places import Places, chosen
 from placecue.starter.rule import LaserThenObjects
+from rooms import Rooms
 
 REGISTRY = load_plugins(built_ins_only=True).registry
 
@@ -59,7 +60,7 @@ def test_what_a_building_has(wanted: list[str], sees_objects: bool, classes: lis
 @pytest.mark.parametrize(
     ("wanted", "kinds", "said"),
     [
-        (["offise", "corridor"], KINDS, "nobody knows 'offise'.*office"),
+        (["offise", "corridor"], KINDS, "nobody knows 'offise'.*: corridor, doorway, kitchen, off"),
         (["office", "corridor"], (), r"nobody knows 'office'.*pip install 'placecue\[deep\]'"),
         (["office", "kitchen"], KINDS, "laser alone tells"),
         (["corridor"], KINDS, "two or more"),
@@ -137,6 +138,14 @@ def test_either_alone() -> None:
     np.testing.assert_allclose(joined(laser, NONE).values, [laser])
     np.testing.assert_allclose(joined(NONE, objects).values, [objects])
     assert np.isnan(joined(NONE, NONE).values).all()
+
+
+def test_a_label_that_is_no_place_is_told_once(caplog: pytest.LogCaptureFixture) -> None:
+    labels = {each.label for each in InTerms(Rooms(2, 1), PLACES)}
+    assert labels == {"corridor", "kitchen", "lab", "office"}
+    [told] = caplog.messages
+    assert told.startswith("'lab' in rooms 0 is none of the starter's places")
+    assert "label_map={lab: PLACE}" in told
 
 
 def test_labels_of_a_log_in_terms_of_the_starter() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from networks import of_one_node, tiny
+from networks import of_bytes, of_one_node, tiny, with_weights_elsewhere
 from pictures import in_every_form, observe
 from placecue import DataError, Observation, PlacecueError, UnusableObservation, UsageError, clone
 from placecue.components.manager import load_plugins
@@ -115,6 +115,7 @@ def test_what_is_wrong_is_said_in_one_line(network: Path, tmp_path: Path) -> Non
         (OnnxNetwork(str(network), output="maen"), "has no output 'maen'; did you mean 'mean'?"),
         (OnnxNetwork(str(network), output="mean", size=3), "takes images of 2x2 pixels"),
         (OnnxNetwork(str(network), output="mean", layout="nhwc"), "layout=nhwc"),
+        (OnnxNetwork(str(of_bytes(tmp_path / "b.onnx")), mean=127.5), "takes pixels as bytes"),
         (OnnxNetwork(str(network), output="mean", framing="middle"), "framing is 'middle'"),
         (OnnxNetwork(str(network), output="mean", std=0), "std is 0"),
         (OnnxNetwork(str(network), output="mean", threads=0), "threads is 0"),
@@ -125,6 +126,21 @@ def test_what_is_wrong_is_said_in_one_line(network: Path, tmp_path: Path) -> Non
             cue.features(observe(PIXELS))
         assert reason in str(told.value)
         assert "\n" not in str(told.value)
+
+
+def test_a_network_that_takes_bytes_is_given_pixels_as_they_are(tmp_path: Path) -> None:
+    cue = OnnxNetwork(str(of_bytes(tmp_path / "bytes.onnx")), pool="none")
+    np.testing.assert_array_equal(cue.features(observe(PIXELS)), PIXELS.transpose(2, 0, 1).ravel())
+
+
+def test_weights_in_another_file_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Nobody notes the digest of that file; also not where onnxruntime would look for it.
+    cue = OnnxNetwork(str(with_weights_elsewhere(tmp_path / "a.onnx")))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="keeps its weights in another file: save it as one"):
+        cue.features(observe(PIXELS))
 
 
 def test_what_is_not_finite_is_no_feature(tmp_path: Path) -> None:

@@ -102,3 +102,6 @@ def test_markdown_and_latex_are_escaped():
     assert lines[2] == r"cue \& more & rate (\%) \\"
     assert lines[4] == r"a\_b\textbar{}c & 95.13 \\"
     assert lines[5] == r"x $<$ y & -- \\"
+    # After \\ LaTeX reads [..] as a length, and * as that no page may end there.
+    rows = Table(["of"], [["[a]"], ["*"], ["b*"]]).latex().splitlines()[4:-2]
+    assert rows == [r"{}[a] \\", r"{}* \\", r"b* \\"]

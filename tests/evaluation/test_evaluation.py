@@ -285,11 +285,21 @@ def test_training_on_several_recordings(paths, tmp_path, pairs):
          "where": {"light": "day"}}, "no pair trains on"),
         (Protocol(partner=RULE), "folds", "is of whole recordings"),
         (Protocol(partner={"same": ["floor"]}), "all", "asks for 'floor'"),
+        (Protocol(chosen_on={"same": ["light"]}), "all",
+         r"no recording goes with log0 by .* that its pairs do not test \(log1, log2, log3\)"),
+        (Protocol(fitted_on="log3"), "all", "fitted_on names log3, which pairs train or test on"),
     ],
 )  # fmt: skip
 def test_partners_that_make_no_sense(paths, tmp_path, protocol, pairs, said):
     with pytest.raises(UsageError, match=said):
         run(evaluation(tmp_path, paths, protocol=protocol, pairs=pairs))
+
+
+def test_one_recording_under_two_names_is_refused(paths, tmp_path):
+    (tmp_path / "again.mcap").symlink_to(paths[0])
+    given = [*paths[:2], tmp_path / "again.mcap"]
+    with pytest.raises(UsageError, match="log0 and again are one recording"):
+        run(evaluation(tmp_path, given, Methods({"laser": LASER}, {})))
 
 
 def test_results_of_another_version_are_refused(four, tmp_path):

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from itertools import count, islice
 from pathlib import Path
 
+import joblib
 import pytest
 
 from placecue.errors import DataError, PlacecueError, UsageError
@@ -134,6 +135,11 @@ def test_a_wrong_choice(chosen: dict, said: str) -> None:
     with pytest.raises(UsageError) as refused, executor_of({"executor": chosen}):
         pass
     assert str(refused.value).startswith(said)
+
+
+def test_a_bare_name() -> None:
+    with executor_of({"executor": "threads"}) as executor:
+        assert (executor.name, executor.jobs) == ("threads", joblib.cpu_count())
 
 
 @pytest.mark.parametrize(("name", "package"), [("dask", "distributed"), ("ray", "ray")])

@@ -338,6 +338,19 @@ def test_too_many_or_too_few_methods(results, about, tmp_path):
     assert "three methods or more, here are 2" in warnings[0]
 
 
+def test_names_that_are_formulas_or_foreign_are_drawn_as_they_are(about, caplog, recwarn):
+    pair = pairs()[0]
+    found = Results([result(pair, "CRFH OaA", 0.9, classes=("$\\frac$ 5", "办公室"))])
+    made = drawn({"name": "Recalls", "kind": "classes", "methods": ["CRFH OaA"]}, found, about)[1]
+    svg = made.svg()
+    assert "$\\frac$ 5" in svg
+    assert "办公室" in svg
+    assert not recwarn.list
+    # Said once however often it is drawn, and not at all where a font has them.
+    assert [m for m in caplog.messages if "PNG and PDF show boxes" not in m] == []
+    assert len(caplog.messages) <= 1
+
+
 def test_recordings_with_other_classes_and_one_pair(about):
     one = result(pairs()[0], SOME[0], 0.8, classes=("attic", "cellar"))
     two = result(pairs()[1], SOME[0], 0.8)

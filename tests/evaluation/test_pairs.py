@@ -137,6 +137,9 @@ def test_ways_to_pick_pairs(pairs, expected):
         ({"way": "all", "where": {"light": "dusk"}}, "no two of 3 recordings are a pair by"),
         ("every", "pairs must be a rule, a list, or a word"),
         ({"like": ["light"], "same": []}, "a rule for pairs has no 'like'"),
+        ({"where": "day"}, "where is a mapping, {CONDITION: VALUE}, got 'day'"),
+        ([[["a", "a"], "b"]], "pair [[a, a], b] trains on one log twice"),
+        ([[[], "b"]], "pair [[], b] trains on nothing"),
     ],
 )
 def test_pairs_that_make_no_sense(pairs, said):
@@ -144,6 +147,11 @@ def test_pairs_that_make_no_sense(pairs, said):
         splits_of(pairs, ABC, 2)
     assert said in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_rule_is_a_mapping():
+    with pytest.raises(UsageError, match="a rule for pairs is a mapping"):
+        partner_of("light", ABC[0], ABC)
 
 
 def test_one_recording_makes_no_pair():
@@ -163,6 +171,7 @@ def test_a_rule_asks_for_what_both_tell():
         ({}, "no recordings to evaluate on"),
         ({"log": ["x/a.mcap", "y/a.mcap"]}, "two recordings are called a"),
         ({"recordings": {"a": {"light": "day"}}}, "names neither log nor source"),
+        ({"recordings": ["a.mcap"]}, "recordings must be a mapping, {NAME: FILE}"),
         ({"log": ["a"], "conditions": {"pattern": "("}}, "is no pattern"),
         ({"make": {"source": {}, "vary": {}}}, "make lacks name"),
         (

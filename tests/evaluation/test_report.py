@@ -135,3 +135,6 @@ def test_tables_show_and_sort_numbers_apart() -> None:
     means = ["95.1 ± 2.3", "9.25 ± 0.1 (11 pairs)", "88.0", "-", "Exp 1", "12th"]
     assert [table.key(each) for each in means] == ["95.1", "9.25", None, None, None, None]
     assert [table.is_number(each) for each in means] == [True, True, True, True, False, False]
+    tested = ["+3.8", "-1.2", "< 0.001"]
+    assert [table.key(each) for each in tested] == [None, None, "0.001"]
+    assert all(table.is_number(each) for each in tested)

@@ -37,7 +37,7 @@ from placecue.evaluation.figures.spec import of_methods
 from placecue.evaluation.protocol.bench import Bench
 from placecue.evaluation.protocol.edges import at_edges
 from placecue.evaluation.protocol.evaluation import Evaluation, check_some
-from placecue.evaluation.protocol.methods import Methods, methods_of, specs_of_words
+from placecue.evaluation.protocol.methods import Methods, methods_of, specs_of_words, split
 from placecue.evaluation.protocol.plan import Protocol
 from placecue.evaluation.protocol.recordings import Recorded, recordings_of
 from placecue.evaluation.results import about as abouts
@@ -65,8 +65,6 @@ def run(config: dict[str, Any]) -> None:
     plugins, methods = current_plugins(), methods_in(config)
     bench = bench_of(config, out, methods, plugins)
     with _alone(out):
-        if config.get("overwrite"):
-            _forget(out)
         about, results, wrong = evaluate(config, bench, methods, plugins)
         about = replace(about, seconds={**about.seconds, "all": perf_counter() - began})
         about.save(out)
@@ -74,7 +72,7 @@ def run(config: dict[str, Any]) -> None:
     tables.written(written)
     plugins.tell("run_finished", command="evaluate", out=out)
     if config.get("json"):
-        print(json.dumps(summary(about, results, wrong)))
+        print(json.dumps({"out": str(out), **summary(about, results, wrong)}))
     if wrong:
         raise DataError(
             f"{len(wrong)} of {len(wrong) + len(results)} results could not be made, such as "
@@ -111,13 +109,17 @@ def evaluate(
         results[result.method, result.pair] = result
         plugins.tell("pair_evaluated", result=result)
 
-    About(_title(config, methods), {}, _told(methods), {}, began=began).save(bench.folder)
+    if not (bench.folder / abouts.FILE).exists():  # what stands there may be an older run's
+        About(_title(config, methods), {}, _told(methods), {}, began=began).save(bench.folder)
     warnings = _Warnings()
     board = Board()
     with warnings.kept(), shown_board(board), executor_of(config) as executor:
         run.prepare(executor, board)
         about = _about(config, run, plugins, began)
         check_figures(about)
+        if config.get("overwrite"):
+            _forget(bench.folder)
+        about.save(bench.folder)  # so that what is there can be reported on at any moment
         run.compute(executor, board, tell)
     ordered = [results[key] for key in run.digests if key in results]
     check_some(ordered, run.wrong)
@@ -138,14 +140,14 @@ def _about(config: Mapping[str, Any], run: Evaluation, plugins: Plugins, began: 
     """Return what is known of an evaluation before anything is computed."""
     return About(
         title=_title(config, run.methods),
-        recordings={},
+        recordings=run.recordings,
         methods=_told(run.methods),
         experiments=_counts(run),
         digests=list(run.digests.values()),
         areas=run.areas,
         figures=_drawn(config, "figures", run.methods),
         tables=_drawn(config, "tables", run.methods),
-        paper=config["paper"],
+        paper=config["paper"] or {},
         versions=versions(plugins),
         command=" ".join(["placecue evaluate", *HydraConfig.get().overrides.task]),
         began=began,
@@ -155,6 +157,8 @@ def _about(config: Mapping[str, Any], run: Evaluation, plugins: Plugins, began: 
 def _drawn(config: Mapping[str, Any], key: str, methods: Methods) -> Sequence[Mapping[str, Any]]:
     """Return what the experiment draws; of some methods only where ``only`` picks them."""
     asked = config[key] or []
+    if not isinstance(asked, list) or not all(isinstance(each, Mapping) for each in asked):
+        raise UsageError(f"{key} must list mappings, [{{name: F, kind: bars}}], got {asked!r}")
     return of_methods(asked, methods.names) if config["only"] else asked
 
 
@@ -240,7 +244,7 @@ def accumulators_in(config: Mapping[str, Any]) -> dict[str, Any]:
             f"words after placecue label, got {given!r}"
         )
     return {
-        name: plain(compose("label", opened(str(words).split()))["accumulator"])
+        name: plain(compose("label", opened(split(str(words), name)))["accumulator"])
         for name, words in given.items()
     }
 
@@ -337,7 +341,7 @@ def summary(about: About, results: Sequence[Result], wrong: Sequence[Result]) ->
     """Return what came out as plain data: mean balanced accuracy by method and experiment."""
     found = Results(results)
     return {
-        "out": about.title,
+        "title": about.title,
         "results": len(results),
         "failed": len(wrong),
         "balanced_accuracy": {

@@ -50,7 +50,9 @@ def write(
     config: Mapping[str, Any], out: Path, about: About, results: Results
 ) -> list[tuple[str, Path]]:
     """Print the summary; write tables, figures and the page of results, and return where."""
-    shown = summary_table(results, results.methods, results.experiments)
+    # Of methods only: what accumulators made of one may have failed, too.
+    there = set(results.methods)
+    shown = summary_table(results, [m for m in about.methods if m in there], results.experiments)
     tables.table(shown.columns, [[shown.shown(cell) for cell in row] for row in shown.rows])
     areas = AreaStore(out).of(about.areas)
     if areas:

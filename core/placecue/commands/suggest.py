@@ -54,9 +54,10 @@ def run(config: dict[str, Any]) -> None:
 
 def suggested(pipeline: Pipeline, log: Source, count: int) -> list[Moment]:
     """Return the moments of a log that are most worth labelling, in order of time."""
-    beliefs, described = [], []
-    for _, belief, seen in looked_at(pipeline, progress.track(log, "looking")):
+    beliefs, described, names = [], [], []
+    for observation, belief, seen in looked_at(pipeline, progress.track(log, "looking")):
         beliefs.append(belief)
+        names.append(observation.log_name)
         described.append(seen)
     if not beliefs:
         raise DataError(f"no observation of {log.name} is usable")
@@ -65,14 +66,16 @@ def suggested(pipeline: Pipeline, log: Source, count: int) -> list[Moment]:
     for row, each in enumerate(described):  # of one that lacks a cue there is nothing to compare
         looks[row] = each if len(each) == width else 0
     confidence = np.array([belief.confidence for belief in beliefs])
-    chosen = {beliefs[row].stamp: beliefs[row] for row in choose(confidence, looks, count)}
+    # By log as well: two may have been recorded at the same time.
+    chosen = {
+        (beliefs[row].stamp, names[row]): beliefs[row] for row in choose(confidence, looks, count)
+    }
     # Read again, so that no picture of the others is kept.
-    views = {each.stamp: (each.log_name, *view(each)) for each in log if each.stamp in chosen}
+    views = {key: view(each) for each in log if (key := (each.stamp, each.log_name)) in chosen}
     return [
-        Moment(number, views[stamp][0], stamp, chosen[stamp].label, chosen[stamp].confidence,
-               *views[stamp][1:])
-        for number, stamp in enumerate(sorted(chosen), 1)
-    ]  # fmt: skip
+        Moment(number, key[1], key[0], chosen[key].label, chosen[key].confidence, *views[key])
+        for number, key in enumerate(sorted(chosen), 1)
+    ]
 
 
 def as_csv(moments: Sequence[Moment]) -> str:

@@ -28,7 +28,7 @@ from placecue.evaluation.map_layers import (
 )
 from placecue.evaluation.map_legend import Shown, draw_legend
 from placecue.evaluation.map_styles import Style, category_styles
-from placecue.evaluation.pictures import save_picture
+from placecue.evaluation.pictures import boxes_for_unknown, save_picture
 from placecue.evaluation.scale_bar import draw_scale_bar
 from placecue.evaluation.text_sizes import TextSizes
 from placecue.evaluation.window import window_of, within
@@ -244,7 +244,8 @@ def _caption(figure: Figure, axes: Axes, semantic_map: SemanticMap, extent: Poin
     """Write captions, once all else has its place: from then on a metre has its length."""
     from matplotlib.patheffects import withStroke
 
-    figure.draw_without_rendering()
+    with boxes_for_unknown():
+        figure.draw_without_rendering()
     figure.set_layout_engine("none")
     (left, _), (right, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)])
     for each in captions(semantic_map.areas, extent, TextSizes(figure, right - left)):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from placecue.errors import UsageError
 from placecue.evaluation.figures.make import Made, check, make_all
 from placecue.evaluation.report.evaluation import evaluation_page
 from placecue.evaluation.report.page import Page
@@ -41,6 +42,13 @@ def asked_for(about: About) -> list[dict[str, Any]]:
 def check_figures(about: About) -> None:
     """Raise UsageError where a figure or table cannot be drawn, before anything is computed."""
     check(asked_for(about), about)
+    for method, of in about.paper.items():
+        numbers = of.values() if isinstance(of, Mapping) else [of]
+        if not isinstance(of, Mapping) or not all(isinstance(n, (int, float)) for n in numbers):
+            raise UsageError(
+                f"paper.{method} must give percent by experiment, {{{method}: {{Exp 1: 95.1}}}}, "
+                f"got {of!r}"
+            )
 
 
 def write_tables_and_figures(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,6 +18,8 @@ from placecue.starter.in_places import InPlaces
 from placecue.starter.places import Places, chosen
 from placecue.starter.rule import LASER, OBJECTS, LaserThenObjects
 from placecue.storage.model import load_model
+
+log = logging.getLogger(__name__)
 
 #: The model of drawn plans.
 MODEL = Path(__file__).parent / "laser"
@@ -88,12 +91,24 @@ class InTerms(Wrapped):
     def __init__(self, source: Source, places: Places) -> None:
         super().__init__(source)
         self.places = places
+        #: Labels of the log that are none of the places, which has been said.
+        self.unknown: set[str] = set()
 
     def __iter__(self) -> Iterator[Observation]:
         for observation in self.source:
             label = self.places.truth(observation.label)
+            if label is not None and label not in self.places.classes:
+                self._say_unknown(label)
             same = label == observation.label
             yield observation if same else observation.relabelled(label)
+
+    def _say_unknown(self, label: str) -> None:
+        if label not in self.unknown:
+            self.unknown.add(label)
+            log.warning(
+                f"'{label}' in {self.name} is none of the starter's places, so that it counts as "
+                f"not recognised: label_map={{{label}: PLACE}} says which it is"
+            )
 
     def digest(self) -> str:
         """Return a digest of the log and the places."""

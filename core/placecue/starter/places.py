@@ -109,7 +109,7 @@ def chosen(wanted: Any, kinds: Sequence[str], sees_objects: bool) -> Places:
 
 
 def _check_known(name: str, kinds: Sequence[str]) -> None:
-    known = (*BY_LASER, ROOM, *kinds)
+    known = tuple(dict.fromkeys((*BY_LASER, ROOM, *kinds)))
     if name not in known:
         more = "" if kinds else f", and kinds of rooms take placecue[deep] ({INSTALL})"
         raise UsageError(f"places: nobody knows '{name}'; {choices(name, known)}{more}")

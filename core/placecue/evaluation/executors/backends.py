@@ -27,8 +27,8 @@ def executor_of(config: Mapping[str, Any]) -> Iterator[Executor]:
     Parameters
     ----------
     config : mapping
-        ``executor`` in it, with the keys of ``conf/placecue_conf/executor``; without it, tasks run
-        one after the other.
+        ``executor`` in it, with the keys of ``conf/placecue_conf/executor``, or its bare name;
+        without it, tasks run one after the other.
 
     Raises
     ------
@@ -39,8 +39,9 @@ def executor_of(config: Mapping[str, Any]) -> Iterator[Executor]:
     Interrupted
         In the ``with`` block, when the process is told to end (SIGTERM).
     """
-    chosen: Mapping[str, Any] = config.get("executor") or {"name": "none"}
-    name = chosen["name"]
+    given = config.get("executor") or "none"
+    chosen: Mapping[str, Any] = {"name": given} if isinstance(given, str) else given
+    name = chosen.get("name")
     if name not in BACKENDS:
         raise UsageError(f"unknown executor '{name}'; {choices(str(name), BACKENDS)}")
     with _ended_by_sigterm(), threadpool_limits(1), BACKENDS[name](chosen) as executor:

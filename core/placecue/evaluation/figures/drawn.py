@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from placecue.atomic import write_text
-from placecue.evaluation.pictures import save_picture
+from placecue.evaluation.pictures import boxes_for_unknown, save_picture
 from placecue.evaluation.results.table import Table
 
 if TYPE_CHECKING:
@@ -52,7 +52,8 @@ class Drawn:
         from matplotlib import rc_context
 
         text = StringIO()
-        with rc_context({"svg.hashsalt": salt, "svg.fonttype": "none"}):
+        options = rc_context({"svg.hashsalt": salt, "svg.fonttype": "none"})
+        with options, boxes_for_unknown():
             self.figure.savefig(text, format="svg", metadata={"Date": None})
         return text.getvalue()[text.getvalue().index("<svg") :]
 

@@ -116,7 +116,10 @@ def drawn(told: Mapping[str, Any], results: Results, about: About) -> tuple[Spec
     spec = read(told, results, about)
     if not spec.methods or not spec.experiments:
         raise DataError("there is no result of what it shows")
-    return spec, KINDS[spec.kind].draw(results, spec, about)
+    from matplotlib import rc_context
+
+    with rc_context({"text.parse_math": False}):  # names are no formulas
+        return spec, KINDS[spec.kind].draw(results, spec, about)
 
 
 def make(told: Mapping[str, Any], results: Results, about: About, folder: Path) -> Made:
@@ -162,4 +165,4 @@ def make_all(
 
 def stem(name: str) -> str:
     """Return the name of a figure's files, without suffix: ``figure-7``."""
-    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-") or "figure"
+    return re.sub(r"[\W_]+", "-", name.lower()).strip("-") or "figure"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from placecue.evaluation.map_styles import GREY, PALETTE
+from placecue.evaluation.pictures import boxes_for_unknown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +84,8 @@ def finish(figure: Figure, heading: str) -> None:
     from textwrap import fill
 
     figure.suptitle(fill(heading, int(figure.get_figwidth() / 0.093)), fontsize=10)
-    figure.draw_without_rendering()
+    with boxes_for_unknown():
+        figure.draw_without_rendering()
     figure.set_layout_engine("none")
 
 

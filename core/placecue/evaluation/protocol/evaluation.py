@@ -26,7 +26,7 @@ from placecue.evaluation.protocol.preparing import (
     extracted,
     recorded,
 )
-from placecue.evaluation.protocol.recordings import derived
+from placecue.evaluation.protocol.recordings import Recorded, derived
 from placecue.evaluation.protocol.scores_store import ScoresStore
 from placecue.evaluation.protocol.single_cue import SingleCueTask, train_and_score
 from placecue.evaluation.results.about import Recording
@@ -118,6 +118,12 @@ class Evaluation:
         self.scores = ScoresStore(self.bench.folder, self.registry)
         self._record(executor, board)
         self.contents = contents = self._contents(board)
+        self.recordings = {
+            "/".join(filter(None, each.key)): Recording(
+                each.log, contents[each.key].digest, dict(each.metadata), {}, dict(each.source)
+            )
+            for each in self.bench.recordings
+        }
         splits = splits_of(self.pairs, self.bench.recordings, self.bench.scheme.n_folds)
         self.plan = Plan(
             self.bench,
@@ -148,7 +154,7 @@ class Evaluation:
             Is told of each result as it is kept.
         """
         self._announce(board)
-        self._extract(executor, board, self.contents)
+        self._extract(executor, board)
         board.step("")
         self._tell_classes(self.plan.splits)
         told = _Told(self, board, tell)
@@ -171,12 +177,14 @@ class Evaluation:
 
     def _contents(self, board: Board) -> dict[tuple[str, str], Contents]:
         """Open every recording; set its metadata, and return what it is."""
-        contents, known = {}, []
+        contents: dict[tuple[str, str], Contents] = {}
+        known = []
         for number, each in enumerate(self.bench.recordings):
             board.step("recordings opened", number, len(self.bench.recordings))
             found = contents_of(each, self.bench.labels, self.bench.every)
             told = {**found.metadata, **each.metadata}
             known.append(replace(each, metadata=derived(told, self.derive)))
+            _check_other(each, found, contents)
             contents[each.key] = found
         self.bench = replace(self.bench, recordings=tuple(known))
         return contents
@@ -205,9 +213,7 @@ class Evaluation:
 
     # ------------------------------------------------------------------ the three stages
 
-    def _extract(
-        self, executor: Runs, board: Board, contents: Mapping[tuple[str, str], Contents]
-    ) -> None:
+    def _extract(self, executor: Runs, board: Board) -> None:
         """Extract the cues of every recording into the cache; note what classes it has."""
         specs: dict[str, Mapping[str, Any]] = {}
         for model in self.methods.models.values():
@@ -215,19 +221,14 @@ class Evaluation:
         cues = tuple(specs.values())
         began = perf_counter()
         tasks = [ExtractionTask(self.bench, each, cues) for each in self.bench.recordings]
-        self.recordings: dict[str, Recording] = {}
         board.step("recordings with their cues extracted", 0, len(tasks))
         for number, outcome in enumerate(executor.map(extracted, tasks), start=1):
             board.step("recordings with their cues extracted", number, len(tasks))
             each, classes = outcome.task.recording, outcome.value or {}
             if outcome.error is not None:
                 log.warning(f"{each.name}: {outcome.error}")
-            found = contents[each.key]
             name = "/".join(filter(None, each.key))
-            metadata = next(r.metadata for r in self.bench.recordings if r.key == each.key)
-            self.recordings[name] = Recording(
-                each.log, found.digest, dict(metadata), classes, dict(each.source)
-            )
+            self.recordings[name] = replace(self.recordings[name], classes=classes)
         self._spent("extracting cues", perf_counter() - began)
 
     def _tell_classes(self, splits: Sequence[Split]) -> None:
@@ -313,6 +314,18 @@ class Evaluation:
 
     def _spent(self, step: str, seconds: float) -> None:
         self.seconds[step] = self.seconds.get(step, 0.0) + seconds
+
+
+def _check_other(
+    each: Recorded, found: Contents, others: Mapping[tuple[str, str], Contents]
+) -> None:
+    """Refuse a recording that is in the experiment already, under another name."""
+    for (world, name), other in others.items():
+        if world == each.world and other.digest == found.digest:
+            raise UsageError(
+                f"{name} and {each.name} are one recording, so that one would be tested on what it "
+                "was trained on: leave one of them out"
+            )
 
 
 class _Told:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from itertools import product
@@ -121,19 +121,27 @@ def methods_of(models: Any, methods: Any, compose: Compose) -> Methods:
     """
     singles: dict[str, SingleCue] = {}
     for name, spec in _filled(models, "models", "words"):
+        _check_new(name, singles)
         singles[name] = _single(name, str(spec["words"]), compose)
     if not singles:
         raise UsageError("no method to evaluate: give cue=NAME, or models={NAME: WORDS}")
     joined: dict[str, Joined] = {}
     integrators: dict[str, Mapping[str, Any]] = {}
     for name, spec in _filled(methods, "methods", "integrator"):
-        if name in singles or name in joined:
-            raise UsageError(f"two methods are called '{name}': give each a name of its own")
+        _check_new(name, {**singles, **joined})
         words = str(spec["integrator"])
         if words not in integrators:
             integrators[words] = _integrator(name, words, compose)
         joined[name] = Joined(name, _models(name, spec, singles), words, integrators[words])
     return Methods(singles, joined)
+
+
+def _check_new(name: str, known: Collection[str]) -> None:
+    if name in known:
+        raise UsageError(
+            f"two methods are called '{name}': give each a name of its own, with what 'for' lists "
+            "in braces"
+        )
 
 
 def _filled(specs: Any, what: str, needed: str) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -156,7 +164,7 @@ def _fill(value: Any, given: Mapping[str, Any]) -> Any:
         return value
     try:
         return value.format(**given)
-    except (KeyError, IndexError, ValueError) as error:
+    except (LookupError, ValueError, AttributeError, TypeError) as error:
         raise UsageError(
             f"'{value}' cannot be filled in ({error}); {choices('', list(given))}"
         ) from error
@@ -168,8 +176,22 @@ def _a_mapping(value: Any, what: str) -> Mapping[str, Any]:
     return value
 
 
+def split(words: str, name: str) -> list[str]:
+    """Return words as a shell reads them.
+
+    Raises
+    ------
+    UsageError
+        If a quote is not closed; ``name`` says whose words they are.
+    """
+    try:
+        return shlex.split(words)
+    except ValueError as error:
+        raise UsageError(f"the words of '{name}' ({words}) make no sense: {error}") from error
+
+
 def _single(name: str, words: str, compose: Compose) -> SingleCue:
-    cues = compose([*shlex.split(words), "integrator=none"])["cues"]
+    cues = compose([*split(words, name), "integrator=none"])["cues"]
     if len(cues) != 1:
         raise UsageError(
             f"model '{name}' ({words}) has {len(cues)} cues ({', '.join(cues)}): give one; "
@@ -181,7 +203,7 @@ def _single(name: str, words: str, compose: Compose) -> SingleCue:
 
 
 def _integrator(name: str, words: str, compose: Compose) -> Mapping[str, Any]:
-    found = compose(shlex.split(words)).get("integrator")
+    found = compose(split(words, name)).get("integrator")
     if not isinstance(found, Mapping):
         raise UsageError(f"method '{name}' ({words}) has no integrator: give integrator=NAME")
     return found

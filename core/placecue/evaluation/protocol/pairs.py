@@ -6,7 +6,7 @@ conditions picks, a list, one log left out in turn, or folds within each recordi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from placecue.errors import UsageError, choices
@@ -158,9 +158,13 @@ def fits(rule: Mapping[str, Any], a: Recorded, b: Recorded) -> bool:
     UsageError
         If the rule is none, or asks for a condition that one of them does not tell.
     """
+    if not isinstance(rule, Mapping):
+        raise UsageError(f"a rule for pairs is a mapping, {{same: [CONDITION]}}, got {rule!r}")
     unknown = [key for key in rule if key not in RULE]
     if unknown:
         raise UsageError(f"a rule for pairs has no '{unknown[0]}'; {choices(unknown[0], RULE)}")
+    if not isinstance(rule.get("where") or {}, Mapping):
+        raise UsageError(f"where is a mapping, {{CONDITION: VALUE}}, got {rule['where']!r}")
     same, differ = _words(rule, "same"), _words(rule, "differ")
     where = {str(k): str(v) for k, v in (rule.get("where") or {}).items()}
     for each in (a, b):
@@ -195,6 +199,11 @@ def _listed(pairs: Sequence[Any], known: Sequence[str]) -> Iterator[tuple[list[s
         train = [str(n) for n in each[0]] if isinstance(each[0], list) else [str(each[0])]
         test = str(each[1])
         check_names([*train, test], known, f"pair [{' + '.join(train)}, {test}]")
+        if not train or len(set(train)) < len(train):
+            raise UsageError(
+                f"pair [[{', '.join(train)}], {test}] trains on "
+                f"{'one log twice' if train else 'nothing'}: list each log of its training once"
+            )
         if test in train:
             raise UsageError(
                 f"pair [{' + '.join(train)}, {test}] tests on what it trains on: give two logs"
@@ -209,10 +218,17 @@ def _why_none(spec: Any, recordings: Sequence[Recorded]) -> str:
 
 
 def partner_of(
-    rule: Mapping[str, Any], recording: Recorded, recordings: Sequence[Recorded]
+    rule: Mapping[str, Any],
+    recording: Recorded,
+    recordings: Sequence[Recorded],
+    but: Collection[str] = (),
 ) -> Recorded | None:
-    """Return the first recording after one, in turn, that a rule pairs it with; None if none."""
+    """Return the first recording after one, in turn, that a rule pairs it with; None if none.
+
+    Those named in ``but`` are passed over.
+    """
     of_world = [each for each in recordings if each.world == recording.world]
     at = [each.name for each in of_world].index(recording.name)
     in_turn = of_world[at + 1 :] + of_world[:at]
-    return next((each for each in in_turn if fits(rule, recording, each)), None)
+    fitting = (each for each in in_turn if fits(rule, recording, each))
+    return next((each for each in fitting if each.name not in but), None)

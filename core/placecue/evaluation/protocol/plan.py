@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -160,7 +160,8 @@ class Plan:
 
     def chosen_on(self, trained: Trained) -> Part | None:
         """Return the recording on which parameters are chosen; None for folds."""
-        return self._by_rule(self.protocol.chosen_on, trained, "chosen_on")
+        tested = {part.recording for part in self.tests.get(trained, ())}
+        return self._by_rule(self.protocol.chosen_on, trained, "chosen_on", tested)
 
     def partner(self, trained: Trained) -> Trained | None:
         """Return whose models an integrator is fitted on; None where on held-out samples."""
@@ -177,7 +178,8 @@ class Plan:
 
     def _fitting_parts(self, trained: Trained) -> list[Part]:
         """Return the recordings that integrators are fitted on by name."""
-        names = [str(name) for name in self.protocol.fitted_on or ()]
+        given = self.protocol.fitted_on or ()
+        names = [str(name) for name in ([given] if isinstance(given, str) else given)]
         of_world = [each.name for each in self.bench.recordings if each.world == trained[0]]
         check_names(names, of_world, "fitted_on")
         seen = {part.recording for part in (*trained[1], *self.tests[trained])}
@@ -189,7 +191,13 @@ class Plan:
                 )
         return [Part(name) for name in names]
 
-    def _by_rule(self, rule: Mapping[str, Any] | None, trained: Trained, what: str) -> Part | None:
+    def _by_rule(
+        self,
+        rule: Mapping[str, Any] | None,
+        trained: Trained,
+        what: str,
+        but: Collection[str] = (),
+    ) -> Part | None:
         world, parts = trained
         if not rule:
             return None
@@ -199,11 +207,12 @@ class Plan:
                 f"{what} is of whole recordings, and the pairs train on {names}: give {what}=null"
             )
         recording = self.bench.recording(world, parts[0].recording)
-        found = partner_of(rule, recording, self.bench.recordings)
+        found = partner_of(rule, recording, self.bench.recordings, but)
         if found is None:
+            tested = f" that its pairs do not test ({', '.join(sorted(but))})" if but else ""
             raise UsageError(
-                f"{what}: no recording goes with {recording.name} by {dict(rule)}: give another "
-                f"rule, or {what}=null"
+                f"{what}: no recording goes with {recording.name} by {dict(rule)}{tested}: give "
+                f"another rule, or {what}=null"
             )
         return Part(found.name)
 

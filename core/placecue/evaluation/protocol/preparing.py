@@ -98,7 +98,12 @@ class ExtractionTask:
 def extracted(task: ExtractionTask) -> dict[str, int]:
     """Extract cues into the cache, in one pass; return how many samples each class has."""
     registry = current_plugins().registry
-    cues = {str(n): build(spec, "cue", registry) for n, spec in enumerate(task.cues)}
+    plugins = [str(spec["plugin"]) for spec in task.cues]
+    cues = {
+        # Of one kind there may be several, with other parameters.
+        f"{plugin} {n + 1}" if plugins.count(plugin) > 1 else plugin: build(spec, "cue", registry)
+        for n, (plugin, spec) in enumerate(zip(plugins, task.cues, strict=True))
+    }
     bench = task.bench
     source = bench.open(*task.recording.key)
     with FeatureCache(Path(bench.cache), registry) as extraction:

@@ -88,14 +88,21 @@ def recordings_of(config: Mapping[str, Any]) -> list[Recorded]:
 
 
 def _found(config: Mapping[str, Any]) -> Iterator[Recorded]:
-    source = config["source"]
+    given = config["source"]
+    source = {"plugin": given} if isinstance(given, str) else given
     if config.get("log"):
         logs = config["log"] if isinstance(config["log"], list) else [config["log"]]
         yield from (_read(Path(str(log)).stem, log, source) for log in logs)
     elif config.get("logs"):
         yield from (_read(path.stem, path, source) for path in _logs_in(Path(config["logs"])))
     elif config.get("recordings"):
-        yield from (_named(name, each, source) for name, each in config["recordings"].items())
+        named = config["recordings"]
+        if not isinstance(named, Mapping):
+            raise UsageError(
+                f"recordings must be a mapping, {{NAME: FILE}}, got {named!r}; or "
+                "give log=[FILE, FILE]"
+            )
+        yield from (_named(str(name), each, source) for name, each in named.items())
     elif config.get("make"):
         yield from made_by(config["make"])
 

@@ -12,7 +12,8 @@ Cell: TypeAlias = str | int | float | None
 DASH = "–"
 #: How other tables tell that there is nothing.
 _NOTHING = ("", "-", DASH)
-_NUMBER = re.compile(r"(-?\d+(?:\.\d+)?)(?: ± .*| \(.*)?$")
+#: Also a difference, ``+3.8``, and what is too small to be told, ``< 0.001``.
+_NUMBER = re.compile(r"(?:< )?([+-]?\d+(?:\.\d+)?)(?: ± .*| \(.*)?$")
 
 
 @dataclass(frozen=True)

@@ -74,12 +74,14 @@ def merged(folders: Sequence[Path]) -> tuple[About, Results]:
                     "folder has, too: merge folders of different worlds, pairs or methods"
                 )
             results[result.method, result.pair] = result
-    methods, experiments = list(about.methods), list(about.experiments)
-    ordered = sorted(
-        results.values(),
-        key=lambda r: (methods.index(r.method), experiments.index(r.pair.experiment)),
-    )
-    return about, Results(ordered)
+    # What an accumulator made of a method, and failed, has a name of its own: it comes last.
+    methods = {name: at for at, name in enumerate(about.methods)}
+    experiments = {name: at for at, name in enumerate(about.experiments)}
+
+    def place(result: Result) -> tuple[int, int]:
+        return methods.get(result.method, len(methods)), experiments[result.pair.experiment]
+
+    return about, Results(sorted(results.values(), key=place))
 
 
 def _pair(told: Any) -> Pair:

@@ -77,8 +77,10 @@ class Table:
 
 
 def latex_escaped(text: str) -> str:
-    """Return text such that LaTeX prints it as it is."""
-    return "".join(_LATEX.get(letter, letter) for letter in text)
+    """Return text such that LaTeX prints it as it is, also as the first cell of a row."""
+    # After the end of a row LaTeX would read these as an option of it.
+    guard = "{}" if text.startswith(("[", "*")) else ""
+    return guard + "".join(_LATEX.get(letter, letter) for letter in text)
 
 
 def _escaped(cells: list[str], escape: Callable[[str], str]) -> list[str]:

@@ -78,15 +78,16 @@ class Intervals:
             If the intervals are more than a year away from the log.
         """
         if self.starts[0] - (first + length) > YEAR or first - max(self.ends) > YEAR:
-            raise DataError(self._apart(first, first + length, log_name))
+            raise DataError(self.apart(first, first + length, log_name))
 
     def tell_apart(self, seen: Seen, log_name: str) -> None:
         """Warn where no observation of a log lies in an interval."""
         if not len(seen) or self.meets(seen.first, seen.last):
             return
-        log.warning(self._apart(seen.first, seen.last, log_name))
+        log.warning(self.apart(seen.first, seen.last, log_name))
 
-    def _apart(self, first: int, last: int, log_name: str) -> str:
+    def apart(self, first: int, last: int, log_name: str) -> str:
+        """Say that no interval meets a log, whose observations are ``first`` to ``last``, ns."""
         own = _span(self.starts[0], max(self.ends))
         return (
             f"the intervals of {self.path} never meet the log: they span {own}, and {log_name} "

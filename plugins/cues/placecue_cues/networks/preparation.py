@@ -17,6 +17,8 @@ from placecue.errors import DataError, UnusableObservation, UsageError, choices,
 
 from .session import Session
 
+#: Of ImageNet's pixels, 0 to 255: red, green, blue.
+IMAGENET_MEAN, IMAGENET_STD = (123.675, 116.28, 103.53), (58.395, 57.12, 57.375)
 FRAMINGS = ("stretch", "crop", "pad")
 LAYOUTS = ("nchw", "nhwc")
 COLORS = ("rgb", "bgr")
@@ -37,8 +39,9 @@ class Preparation:
     framing : {"stretch", "crop", "pad"}
         How an image of another aspect is made to fit: stretched, its middle cut out, or with grey
         (the mean) around it.
-    mean, std : float or triple of float
-        Pixels, 0 to 255, become (pixel - mean) / std, a number for each channel.
+    mean, std : float, triple of float or None
+        Pixels, 0 to 255, become (pixel - mean) / std, a number for each channel. None: those usual
+        for ImageNet; of a network that takes bytes 0 and 1, and no others.
     colors : {"rgb", "bgr"}
         Order of the channels.
     layout : {"nchw", "nhwc"}
@@ -52,8 +55,8 @@ class Preparation:
     output: str | None = None
     size: int | tuple[int, int] | None = None
     framing: str = "stretch"
-    mean: float | tuple[float, ...] = (123.675, 116.28, 103.53)
-    std: float | tuple[float, ...] = (58.395, 57.12, 57.375)
+    mean: float | tuple[float, ...] | None = None
+    std: float | tuple[float, ...] | None = None
     colors: str = "rgb"
     layout: str = "nchw"
     pool: str = "mean"
@@ -93,6 +96,8 @@ class Preparation:
         for name in ("mean", "std"):
             value = getattr(self, name)
             for each in value if isinstance(value, tuple) else (value,):
+                if value is None:
+                    continue
                 check_number(name, each, above=0 if name == "std" else None)
             if isinstance(value, tuple) and len(value) != 3:
                 raise UsageError(f"{name} is {value!r}; give one number, or one for each channel")
@@ -125,7 +130,20 @@ class Preparation:
             )
         settled = {each.name: getattr(self, each.name) for each in fields(self)}
         settled |= {"size": (height, width), "output": session.output_named(self.output)}
+        settled |= self._scaled_for(session)
         return type(self)(**settled)
+
+    def _scaled_for(self, session: Session) -> dict[str, Any]:
+        """Return the mean and std of pixels that a network takes."""
+        raw = session.takes_bytes
+        usual = {"mean": 0.0, "std": 1.0} if raw else {"mean": IMAGENET_MEAN, "std": IMAGENET_STD}
+        made = {name: usual[name] if (v := getattr(self, name)) is None else v for name in usual}
+        if raw and any(np.any(np.asarray(made[name]) != usual[name]) for name in usual):
+            raise UsageError(
+                f"{session.name} takes pixels as bytes, 0 to 255, and mean={made['mean']}, "
+                f"std={made['std']} make other numbers of them: leave both out"
+            )
+        return made
 
     def image(self, image: NDArray[np.uint8], channels: int = 3) -> NDArray[np.float32]:
         """Return what the network is given of one image, RGB or grey, without the first axis."""
@@ -158,7 +176,7 @@ class Preparation:
         scale = max(rows / height, columns / width)
         inner = max(round(rows / scale), 1), max(round(columns / scale), 1)
         top, left = (height - inner[0]) // 2, (width - inner[1]) // 2
-        grey = np.asarray(self.mean).mean().astype(np.uint8)
+        grey = np.asarray(self.mean, np.float64).mean().astype(np.uint8)
         made = np.full((height, width, *image.shape[2:]), grey, dtype=np.uint8)
         made[top : top + inner[0], left : left + inner[1]] = _resized(image, *inner)
         return made

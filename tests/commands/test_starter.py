@@ -60,6 +60,27 @@ def test_a_map_from_nothing_but_a_log(tmp_path: Path, drive: Path) -> None:
     assert "balanced accuracy" in told.out
 
 
+def test_a_model_from_the_moments_that_the_starter_is_unsure_of(
+    tmp_path: Path, drive: Path
+) -> None:
+    """No labels, then five, then a model: with what each command says comes next."""
+    asked = tmp_path / "asked"
+    told = by_starter("suggest", f"log={drive}", "moments=5", f"out={asked}", "report=false")
+    [line] = [line for line in told.out.splitlines() if line.startswith("next: ")]
+    words = line.removeprefix("next: placecue ").replace("log=FILE", f"log={drive}").split()
+    table = asked / "suggestions.csv"
+    assert words[:1] == ["train"]
+    assert f"source.labels={table}" in words
+    head, *moments = table.read_text().splitlines()
+    names = ("hallway", "room")
+    given = [line.replace(",,", f",{names[n % 2]},", 1) for n, line in enumerate(moments)]
+    table.write_text("\n".join([head, *given]) + "\n")
+    succeeds(*words[:-1], f"out={tmp_path / 'model'}", "report=false")
+    out = tmp_path / "out"
+    succeeds("classify", f"model={tmp_path / 'model'}", f"log={drive}", f"out={out}")
+    assert {row["label"] for row in rows(out / "beliefs.csv")} <= set(names)
+
+
 def test_places_of_the_building(tmp_path: Path, drive: Path) -> None:
     out = tmp_path / "out"
     by_starter("classify", f"log={drive}", "places=[corridor,room]", f"out={out}")

@@ -102,9 +102,7 @@ def _line(pipeline: Pipeline, images: bool, sees_objects: bool) -> str:
     elif not images:
         told += "; a camera would tell kinds of rooms"
     elif many:
-        told += (
-            "; places=[office,kitchen,corridor] names those there are: it is then right more often"
-        )
+        told += "; name those there are, such as places=[office,kitchen,corridor]"
     return f"{told}; a model of labels of your own (placecue train) knows the building better"
 
 

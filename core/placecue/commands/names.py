@@ -12,7 +12,7 @@ COMMANDS = {
     "evaluate": "an experiment: pairs of logs, methods -> tables, figures, significance",
     "report": "a run folder, or several -> its tables, figures and page, made again",
     "teach": "model + labelled log -> a model that knows these samples or places as well",
-    "suggest": "model + log -> the moments that are most worth labelling",
+    "suggest": "model (or the starter) + log -> the moments that are most worth labelling",
     "convert": "any source -> MCAP",
     "annotate": "MCAP log + rooms -> a copy with labels",
     "info": "what is in a log, and which topics would be used",

@@ -1,10 +1,11 @@
-"""``placecue suggest``: model + log -> the moments that are most worth labelling."""
+"""``placecue suggest``: model or starter, and log -> the moments that are most worth labelling."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from placecue.atomic import made, write_text
 from placecue.checks import check_whole
 from placecue.commands import files, reporting, tables
 from placecue.commands.features import extraction_of
-from placecue.commands.logs import open_source, set_tolerance
+from placecue.commands.models import model_and_log
 from placecue.commands.paths import path_of
 from placecue.components.manager import current_plugins
 from placecue.errors import DataError
@@ -24,7 +25,7 @@ from placecue.evaluation.report.views import view
 from placecue.logs.joining.labels import COLUMNS, SUGGESTED
 from placecue.pipeline import Pipeline
 from placecue.source import Source
-from placecue.storage.model import load_model
+from placecue.starter.rule import OBJECTS
 from placecue.suggesting import choose, looked_at
 
 WRITES = files.SUGGESTED
@@ -37,10 +38,8 @@ def run(config: dict[str, Any]) -> None:
     out, plugins = path_of(config, "out"), current_plugins()
     check_whole("moments", config["moments"], least=1)
     reporting.is_wanted(config)
-    pipeline = load_model(path_of(config, "model"), plugins.registry, config["other_versions"])
-    set_tolerance(pipeline, config)
+    pipeline, log = model_and_log(config, plugins, ())
     with extraction_of(config, plugins) as pipeline.extraction, progress.shown():
-        log = open_source(config, plugins, parts=pipeline.requires)
         moments = suggested(pipeline, log, config["moments"])
     made(out)
     table = write_text(out / files.SUGGESTIONS, as_csv(moments))
@@ -48,8 +47,19 @@ def run(config: dict[str, Any]) -> None:
     reporting.write(config, out, lambda: _page(log.name, facts, moments))
     print(f"{len(moments)} moments of {log.name} to label: fill in the column label")
     tables.written([("to fill in", table), *reporting.written(config, out)])
-    print(f"next: placecue teach model={config['model']} log=FILE labels={table}")
+    print(f"next: {_next(config['model'], pipeline, table)}")
     plugins.tell("run_finished", command="suggest", out=out)
+
+
+def _next(model: Any, pipeline: Pipeline, table: Path) -> str:
+    """Return what makes use of the labels: the model goes on learning, or a first one is made."""
+    if model is not None:
+        return f"placecue teach model={model} log=FILE labels={table}"
+    cue = "lite0" if OBJECTS in pipeline.cues else "laser"
+    return (
+        f"placecue train log=FILE source.labels={table} cue={cue} integrator=none "
+        f"classifier@cues.{cue}.classifier=nearest_mean out=model"
+    )
 
 
 def suggested(pipeline: Pipeline, log: Source, count: int) -> list[Moment]:

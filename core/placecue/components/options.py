@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 
 BUILT_IN_CONFIGS = "pkg://placecue_conf"
 #: What a cue brings where nobody has written an option for it.
-DEFAULT_CLASSIFIER = "svm"
+DEFAULT_CLASSIFIER = "svm_searched"
 #: The kinds that a config chooses among; of the others placecue takes what fits.
 OPTION_KINDS: tuple[Kind, ...] = tuple(k for k in KINDS if k not in ("layout", "adapter"))
 

@@ -28,6 +28,7 @@ from placecue.commands.features import cache_of
 from placecue.commands.label_names import with_names
 from placecue.commands.logs import on_error_of
 from placecue.commands.paths import path_of
+from placecue.commands.reporting import command_line
 from placecue.components.build import build, plain
 from placecue.components.manager import Plugins, current_plugins
 from placecue.components.searches import opened
@@ -149,7 +150,7 @@ def _about(config: Mapping[str, Any], run: Evaluation, plugins: Plugins, began: 
         tables=_drawn(config, "tables", run.methods),
         paper=config["paper"] or {},
         versions=versions(plugins),
-        command=" ".join(["placecue evaluate", *HydraConfig.get().overrides.task]),
+        command=command_line(),
         began=began,
     )
 

@@ -78,4 +78,9 @@ def command_line() -> str:
     if not HydraConfig.initialized():
         return ""
     running = HydraConfig.get()
-    return shlex.join(["placecue", str(running.job.name), *running.overrides.task])
+    own = [
+        f"--config-dir={each.path}"
+        for each in running.runtime.config_sources
+        if each.provider == "command-line"
+    ]
+    return shlex.join(["placecue", str(running.job.name), *own, *running.overrides.task])

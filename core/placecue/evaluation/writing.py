@@ -33,10 +33,16 @@ USUAL: Sequence[dict[str, Any]] = (
 )
 
 
+#: And where there are so many methods and pairs that ranks say something.
+RANKS = {"name": "Ranks", "kind": "ranks", "title": "Mean ranks over pairs, 1 is the best"}
+METHODS, PAIRS = 3, 4
+
+
 def asked_for(about: About) -> list[dict[str, Any]]:
     """Return what is to be drawn, as mappings of a config."""
     asked = [dict(each) for each in (*about.figures, *about.tables)]
-    return asked or [dict(each) for each in USUAL]
+    ranked = len(about.methods) >= METHODS and sum(about.experiments.values()) >= PAIRS
+    return asked or [dict(each) for each in (*USUAL, *([RANKS] if ranked else []))]
 
 
 def check_figures(about: About) -> None:

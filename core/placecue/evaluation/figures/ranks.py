@@ -31,6 +31,8 @@ KEYS = frozenset({"alpha"})
 #: Inches: between two names, between two bars, of the axis itself, above it, and round all.
 ROW, BAR, AXIS, ABOVE, MARGIN = 0.2, 0.1, 5.0, 0.5, 0.15
 LEFT_OUT = "{} more pairs are left out: not all methods have a score of them."
+#: What the test does not know.
+DEPENDENT = "Pairs that share a recording are not independent, as the test takes them to be."
 #: Inches that the heading takes.
 HEADING = 0.45
 
@@ -61,7 +63,7 @@ def draw(results: Results, spec: Spec, about: About) -> Drawn:
         Table([*columns, *(f"Nemenyi p against {label}" for label in labels)], numbers),
         Table(columns, table, digits=2),
         _figure(spec, test, labels, colours),
-        (said(test), *([LEFT_OUT.format(left)] if left else [])),
+        (said(test), DEPENDENT, *([LEFT_OUT.format(left)] if left else [])),
     )
 
 

@@ -51,6 +51,7 @@ def test_label_writes_corrected_poses(tmp_path: Path, laser_model: Path, drifted
     assert last_error(out) < 0.1
     corrected = [each.pose for each in McapLog(str(out / "annotated.mcap"))]
     assert {pose.frame for pose in corrected} == {"map"}
+    assert "single belief" in (out / "semantic_map.svg").read_text()
     for node in rows(out / "nodes.csv"):
         assert 0 < float(node["sigma_x_m"]) < 0.1
         assert 0 < float(node["sigma_heading_rad"]) < 0.05

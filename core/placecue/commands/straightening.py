@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,10 +18,28 @@ from placecue.free_space import FreeSpace
 from placecue.observation import Observation
 from placecue.semantic_map import SemanticMap
 from placecue.sharpness import SMEARED, Sharpness
+from placecue.slam.planar import pose_of
 from placecue.slam.retold import Retold
 from placecue.slam.straightened import straightened_in
 from placecue.slam.trajectory import tum
 from placecue.source import Source
+
+
+class _Told:
+    """What was told over time, kept where it changed."""
+
+    def __init__(self) -> None:
+        self._stamps = array("q")
+        self._told: list[str | None] = []
+
+    def add(self, stamp: int, told: str | None) -> None:
+        if not self._told or self._told[-1] != told:
+            self._stamps.append(stamp)
+            self._told.append(told)
+
+    def at(self, stamp: int) -> str | None:
+        number = bisect_right(self._stamps, stamp) - 1
+        return self._told[number] if number >= 0 else None
 
 
 class Straightening:
@@ -33,7 +53,8 @@ class Straightening:
 
     def __init__(self, source: Source) -> None:
         self.sources = straightened_in(source)
-        self._changes: dict[str, tuple[list[int], list[str | None]]] = {}
+        self._labels: dict[str, _Told] = defaultdict(_Told)  # by frame
+        self._beliefs: dict[str, _Told] = defaultdict(_Told)
 
     def observe(
         self,
@@ -41,21 +62,19 @@ class Straightening:
         belief: Belief | None = None,
         update: AreaUpdate | None = None,
     ) -> None:
-        """Note the label of one observation, where it is another than before."""
+        """Note the label of one observation and what is believed."""
         if not self.sources or observation.pose is None:
             return
-        stamps, labels = self._changes.setdefault(observation.pose.frame, ([], []))
-        if not labels or labels[-1] != observation.label:
-            stamps.append(observation.stamp)
-            labels.append(observation.label)
+        stamp, frame = observation.stamp, observation.pose.frame
+        self._labels[frame].add(stamp, observation.label)
+        self._beliefs[frame].add(stamp, None if belief is None else belief.label)
 
     def observations(self) -> Iterator[Observation]:
         """Yield what each map is made of, at the poses of now and with the labels told."""
         for source in self.sources:
-            stamps, labels = self._changes.get(source.frame, ([], []))
+            labels = self._labels[source.frame]
             for each in source.mapper.observations():
-                at = bisect_right(stamps, each.stamp) - 1
-                yield each.relabelled(labels[at] if at >= 0 else None)
+                yield each.relabelled(labels.at(each.stamp))
 
     def following(self, accumulator: Accumulator) -> Accumulator:
         """Return an accumulator whose map follows late corrections, where there can be any."""
@@ -67,7 +86,19 @@ class Straightening:
         for each in self.observations():
             new_around.observe(each, None, None)
             new_space.observe(each)
+        self._believed(new_around)
         return (around, space) if new_space.frame is None else (new_around, new_space)
+
+    def _believed(self, around: Surroundings) -> None:
+        """Tell what was believed along the way, at the poses of now."""
+        for source in self.sources:
+            beliefs, way = self._beliefs[source.frame], source.mapper.trajectory
+            if source.frame != around.frame:
+                continue  # a picture shows one map
+            poses = way.poses(source.mapper.poses)
+            for stamp, pose in zip(way.stamps().tolist(), poses, strict=True):
+                if (label := beliefs.at(stamp)) is not None:
+                    around.believe(pose_of(pose, source.frame), label)
 
     def sure(self, semantic_map: SemanticMap) -> SemanticMap:
         """Return a map whose nodes know how sure they are, where poses were corrected."""

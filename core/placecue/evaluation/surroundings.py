@@ -88,7 +88,11 @@ class Surroundings:
         if observation.label is not None:
             self._truth.add(pose, observation.label)
         if belief is not None:
-            self._beliefs.add(pose, belief.label)
+            self.believe(pose, belief.label)
+
+    def believe(self, pose: Pose2D, label: str) -> None:
+        """Take note of a position and what was believed there."""
+        self._beliefs.add(pose, label)
 
     @property
     def points(self) -> NDArray[np.float64]:

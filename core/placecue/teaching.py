@@ -8,7 +8,12 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from placecue.cue_model import CueModel
 from placecue.errors import DataError, UsageError
+from placecue.features import FeatureBatch
 from placecue.guard import call
 from placecue.learning.samples import Samples
 from placecue.pipeline import Pipeline
@@ -26,10 +31,14 @@ class Taught:
         Samples by class.
     new : tuple of str
         The classes that it did not know before.
+    wrong_before, wrong_after : int
+        How many of these very samples it decides wrongly, before it was taught and since.
     """
 
     counts: Counter[str]
     new: tuple[str, ...]
+    wrong_before: int = 0
+    wrong_after: int = 0
 
 
 def check_teachable(pipeline: Pipeline) -> None:
@@ -80,6 +89,7 @@ def teach(pipeline: Pipeline, samples: Samples) -> Taught:
         raise DataError(f"no labelled sample has the cue {name}: there is nothing to learn")
     labels = samples.labels[found.rows]
     classifier: Any = model.classifier
+    before = _wrong(model, found.features, labels)
     call(classifier, "partial_fit", found.features, labels)
     counts = Counter(labels.tolist())
     new = tuple(sorted(set(counts) - set(known)))
@@ -92,4 +102,8 @@ def teach(pipeline: Pipeline, samples: Samples) -> Taught:
             )
     if pipeline.rejection_ is not None:
         log.warning('the threshold for "unknown" is that of the samples trained on before')
-    return Taught(counts, new)
+    return Taught(counts, new, before, _wrong(model, found.features, labels))
+
+
+def _wrong(model: CueModel, features: FeatureBatch, labels: NDArray[np.str_]) -> int:
+    return int(np.count_nonzero(model.scores(features).decide().labels != labels))

@@ -40,6 +40,7 @@ def test_a_new_place_is_learned_without_the_old_log(
     told = succeeds(*words, "label_map={corridor: null, kitchen: null, lab: null}").out
     assert "learned 24 samples: office 24" in told
     assert "new: office" in told
+    assert "of these the model had 24 wrong" in told  # a class that it did not know
     assert (gist_model / "manifest.json").read_bytes() == before
     succeeds("train", *GIST, f"log={log_a}", "out=whole")
     taught, whole = model_of(Path("taught")), model_of(Path("whole"))

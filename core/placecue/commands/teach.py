@@ -109,5 +109,9 @@ def _warn_of_known(logs: Sequence[Source], earlier: Sequence[Mapping[str, Any]])
 def _say(taught: Taught) -> None:
     counts = ", ".join(f"{name} {count}" for name, count in sorted(taught.counts.items()))
     print(f"learned {taught.counts.total()} samples: {counts}")
+    print(
+        f"of these the model had {taught.wrong_before} wrong, and has {taught.wrong_after} now; "
+        "how good it is another log tells (placecue classify)"
+    )
     if taught.new:
         print(f"new: {', '.join(taught.new)}")

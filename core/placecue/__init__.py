@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from placecue import contracts, estimators
     from placecue.accumulator import Accumulator, AreaUpdate, Boundary
+    from placecue.agreement import agreeing, log_odds_lost
     from placecue.belief import Belief
     from placecue.camera import PinholeCamera
     from placecue.checks import check_choice, check_flag, check_number, check_whole
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from placecue.cue_model import CueModel
     from placecue.decoding import decoded
     from placecue.depth import Intrinsics, virtual_scan
-    from placecue.distribution import doubted, log_odds, softmax
+    from placecue.distribution import doubted, log_odds, softmax, tempered
     from placecue.errors import (
         DataError,
         PlacecueError,
@@ -191,6 +192,7 @@ __all__ = [
     "UsageError",
     "WrongKind",
     "__version__",
+    "agreeing",
     "allow_estimators",
     "cache_folder",
     "call",
@@ -214,6 +216,7 @@ __all__ = [
     "keeping",
     "kind_of",
     "log_odds",
+    "log_odds_lost",
     "n_samples",
     "provenance",
     "read_geojson",
@@ -222,6 +225,7 @@ __all__ = [
     "stack",
     "step",
     "take",
+    "tempered",
     "track",
     "unit_length",
     "virtual_scan",
@@ -249,7 +253,8 @@ _MODULES = {
         "choices",
         "described",
     ),
-    "distribution": ("doubted", "log_odds", "softmax"),
+    "agreement": ("agreeing", "log_odds_lost"),
+    "distribution": ("doubted", "log_odds", "softmax", "tempered"),
     "estimator": ("Estimator", "clone"),
     "estimators": ("allow_estimators",),
     "evidence": ("Evidence", "ObservedEvidence", "StoredEvidence", "concatenate"),

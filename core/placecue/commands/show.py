@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from placecue.commands.tables import table, written
+from placecue.evaluation.protocol.edges import end_of
 from placecue.evaluation.search_figure import SCORE, as_text
 from placecue.evaluation.tally import INTEGRATED, Tally
 from placecue.evaluation.training_report import searches
@@ -117,17 +118,13 @@ def _edge(values: Sequence[Any], scores: Sequence[float]) -> str | None:
 
     None, too, where the value beside the end is as good but for :data:`AS_GOOD`.
     """
-    kinds = (int, float, np.number)
-    if not all(isinstance(each, kinds) and not isinstance(each, bool) for each in values):
+    points = list(zip(values, scores, strict=True))
+    best = {value for value, score in points if score == max(scores)}
+    end = end_of(values, best)
+    if end is None:
         return None
-    best = {value for value, score in zip(values, scores, strict=True) if score == max(scores)}
-    if len(best) != 1 or len(set(values)) < 2:
-        return None
-    [value] = best
-    others = [score for each, score in zip(values, scores, strict=True) if each != value]
-    if max(scores) - max(others) < AS_GOOD:
-        return None
-    return {min(values): "smallest", max(values): "largest"}.get(value)
+    others = max(score for value, score in points if value not in best)
+    return end if max(scores) - others >= AS_GOOD else None
 
 
 def _percent(share: float | None) -> str:

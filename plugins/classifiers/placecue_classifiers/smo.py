@@ -159,14 +159,14 @@ def _solve(
         row_up = gram[first + up if up < length else second + up - length]
         chosen = _down(row_up[one], 0, -1, -1.0, up, diagonal, low, beta, error)
         down, _ = _down(row_up[two], length, *chosen, up, diagonal, low, beta, error)
-        together = row_up[first + down if down < length else second + down - length]
-        curve = max(diagonal[up] + diagonal[down] - 2 * together, _FLAT)
+        lies = first + down if down < length else second + down - length
+        curve = max(diagonal[up] + diagonal[down] - 2 * row_up[lies], _FLAT)
         step = (error[up] - error[down]) / curve
         room_up, room_down = high[up] - beta[up], beta[down] - low[down]
         step = min(step, min(room_up, room_down))
         beta[up] = high[up] if step == room_up else beta[up] + step
         beta[down] = low[down] if step == room_down else beta[down] - step
-        row_down = gram[first + down if down < length else second + down - length]
+        row_down = gram[lies]
         _follow(error[:length], row_up[one], row_down[one], step)
         _follow(error[length:], row_up[two], row_down[two], step)
     return limit, 0.0, False

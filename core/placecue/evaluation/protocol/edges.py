@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Any
+
+import numpy as np
 
 from placecue.evaluation.protocol.methods import SingleCue
 from placecue.evaluation.results.result import Result
@@ -33,7 +35,7 @@ def at_edges(models: Mapping[str, SingleCue], results: Sequence[Result]) -> list
             continue
         for parameter, values in (model.classifier.get("search") or {}).items():
             taken = {settings.get(parameter) for settings in chosen.values()}
-            end = _end(values, taken)
+            end = end_of(values, taken)
             if end:
                 lines.append(
                     f"{parameter} = {taken.pop():g} of {name} is the {end} of its grid, and was "
@@ -42,15 +44,18 @@ def at_edges(models: Mapping[str, SingleCue], results: Sequence[Result]) -> list
     return lines
 
 
-def _end(values: Any, taken: set[Any]) -> str | None:
-    """Return which end of a grid the only value that was taken is."""
-    if not isinstance(values, Sequence) or len(taken) != 1 or len(set(map(str, values))) < 2:
+def end_of(values: Any, taken: Set[Any]) -> str | None:
+    """Return which end of a grid the only value that was taken is: ``smallest`` or ``largest``.
+
+    None where several were taken, it lies within, or a value is no number.
+    """
+    if not isinstance(values, Sequence) or len(taken) != 1:
         return None
     [value] = taken
-    if not all(_is_number(each) for each in (*values, value)):
+    if not all(map(_is_number, (*values, value))) or len(set(values)) < 2:
         return None
     return {min(values): "smallest", max(values): "largest"}.get(value)
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
